@@ -1,0 +1,46 @@
+//! Linear RGB with Rec. 709 primaries, and the curves that turn it into what a file or screen wants.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Linear RGB, Rec. 709 primaries, D65 white; unbounded above.
+pub type Rgb = Vec3;
+
+/// Relative luminance (ITU-R BT.709).
+pub fn luminance(c: Rgb) -> f32 {
+    c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// From linear light to what an 8-bit file stores.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tonemap {
+    /// The piecewise curve of IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// The plain power 1/2.2.
+    Gamma22,
+    /// Linear values as they are.
+    None,
+}
+
+impl Tonemap {
+    /// One channel in linear light to an encoded value in 0..=1; what lies outside is clipped.
+    pub fn encode(self, linear: f32) -> f32 {
+        let x = linear.clamp(0.0, 1.0);
+        match self {
+            Self::Srgb if x <= 0.003_130_8 => 12.92 * x,
+            Self::Srgb => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+            Self::Gamma22 => x.powf(1.0 / 2.2),
+            Self::None => x,
+        }
+    }
+}
+
+/// Decodes one sRGB channel in 0..=1 to linear light (IEC 61966-2-1).
+pub fn srgb_to_linear(x: f32) -> f32 {
+    if x <= 0.04045 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
+    }
+}

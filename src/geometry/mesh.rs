@@ -1,0 +1,76 @@
+use glam::{Vec2, Vec3};
+
+use crate::error::{Error, Result};
+use crate::math::Bounds;
+
+/// Triangles over shared vertices, in the file's order: a triangle's index here is its index in its file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions; all finite.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, one a vertex, or none at all; unit length, or zero where the file has none.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one a vertex, or none at all.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the slot of its material in its instance's list; empty when all are in slot 0.
+    pub slots: Vec<u32>,
+}
+
+impl Mesh {
+    /// Checks what every other part of the crate relies on: attributes of equal length, indices in range,
+    /// finite positions, at least one triangle.
+    ///
+    /// # Errors
+    /// Names the first offending vertex or triangle and its value.
+    pub fn validate(&self) -> Result<()> {
+        let count = self.positions.len();
+        if self.triangles.is_empty() {
+            return Err(Error::input("the mesh has no triangles"));
+        }
+        for (name, len) in [("normals", self.normals.len()), ("uvs", self.uvs.len())] {
+            if len != 0 && len != count {
+                return Err(Error::input(format!("{len} {name} for {count} vertices")));
+            }
+        }
+        if !self.slots.is_empty() && self.slots.len() != self.triangles.len() {
+            return Err(Error::input(format!(
+                "{} material slots for {} triangles",
+                self.slots.len(),
+                self.triangles.len()
+            )));
+        }
+        if let Some(i) = self.positions.iter().position(|p| !p.is_finite()) {
+            return Err(Error::input(format!(
+                "vertex {i} is not finite: {}",
+                self.positions[i]
+            )));
+        }
+        if let Some((i, t)) = (self.triangles.iter().enumerate())
+            .find(|(_, t)| t.iter().any(|&v| v as usize >= count))
+        {
+            return Err(Error::input(format!(
+                "triangle {i} uses vertices {t:?}, but there are {count}"
+            )));
+        }
+        Ok(())
+    }
+
+    /// The corners of triangle `i`.
+    pub fn corners(&self, i: u32) -> [Vec3; 3] {
+        self.triangles[i as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The material slot of triangle `i`.
+    pub fn slot(&self, i: u32) -> u32 {
+        self.slots.get(i as usize).copied().unwrap_or(0)
+    }
+
+    /// The box around all vertices that a triangle uses.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of_points(
+            (self.triangles.iter().flatten()).map(|&v| self.positions[v as usize].as_dvec3()),
+        )
+    }
+}

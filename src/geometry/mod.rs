@@ -1,0 +1,20 @@
+//! Shapes without appearance: triangle meshes and analytic solids.
+
+mod mesh;
+pub mod solid;
+
+pub use mesh::Mesh;
+pub use solid::Solid;
+
+/// Index into the scene's list of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MeshId(pub u32);
+
+/// What an instance places into the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A triangle mesh, shared by its instances.
+    Mesh(MeshId),
+    /// An analytic solid in its canonical position.
+    Solid(Solid),
+}

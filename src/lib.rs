@@ -1,0 +1,16 @@
+//! solidtrace renders triangle meshes and exact analytic solids with a path tracer.
+
+pub mod camera;
+pub mod color;
+pub mod error;
+pub mod film;
+pub mod geometry;
+pub mod image;
+pub mod io;
+pub mod material;
+pub mod math;
+pub mod sampling;
+pub mod scene;
+pub mod texture;
+
+pub use error::{Error, ErrorKind, Result};

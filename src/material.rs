@@ -1,0 +1,55 @@
+//! What a surface is made of: a way to scatter, and light of its own.
+
+use serde::{Deserialize, Serialize};
+
+use crate::color::Rgb;
+use crate::texture::Texture;
+
+/// Index into the scene's list of materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// A named material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the scene or model file.
+    pub name: String,
+    /// How it scatters.
+    pub surface: Surface,
+    /// Radiance that it emits from both sides, W/(m² sr) per channel.
+    pub emission: Rgb,
+}
+
+/// How a surface scatters light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// Lambert's; `color` is the albedo.
+    Diffuse {
+        /// Albedo, 0..=1 per channel.
+        color: Texture,
+    },
+    /// Perfect reflection times `color`.
+    Mirror {
+        /// Reflectance, 0..=1 per channel.
+        color: Texture,
+    },
+    /// A smooth boundary between air and a clear medium.
+    Dielectric {
+        /// Index of refraction of the inside against the outside.
+        ior: f32,
+        /// How much is reflected.
+        fresnel: Fresnel,
+    },
+}
+
+/// Which reflectance a dielectric uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fresnel {
+    /// All light is refracted; only total internal reflection reflects.
+    None,
+    /// Schlick's 1994 approximation.
+    Schlick,
+    /// Fresnel's equations for unpolarised light.
+    #[default]
+    Exact,
+}

@@ -1,0 +1,33 @@
+use glam::DVec3;
+
+/// A half-open piece of a line: the points `origin + t direction` with `tmin < t < tmax`.
+///
+/// `direction` need not be of unit length; `t` is in its units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where `t` is 0.
+    pub origin: DVec3,
+    /// Any length but zero.
+    pub direction: DVec3,
+    /// Hits at or before this are ignored; at least 0.
+    pub tmin: f64,
+    /// Hits at or beyond this are ignored.
+    pub tmax: f64,
+}
+
+impl Ray {
+    /// The whole half line in front of `origin`.
+    pub const fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            origin,
+            direction,
+            tmin: 0.0,
+            tmax: f64::INFINITY,
+        }
+    }
+
+    /// The point at parameter `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}

@@ -1,0 +1,112 @@
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::{Bounds, Ray};
+
+/// An invertible affine map in f64, kept with its inverse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    forward: DAffine3,
+    inverse: DAffine3,
+}
+
+impl Transform {
+    /// Leaves every point where it is.
+    pub const IDENTITY: Self = Self {
+        forward: DAffine3::IDENTITY,
+        inverse: DAffine3::IDENTITY,
+    };
+
+    /// The map `matrix`, or `None` where it is not finite or flattens space.
+    pub fn new(matrix: DAffine3) -> Option<Self> {
+        if !matrix.is_finite() {
+            return None;
+        }
+        let inverse = matrix.inverse();
+        let scale = matrix.matrix3.x_axis.length()
+            * matrix.matrix3.y_axis.length()
+            * matrix.matrix3.z_axis.length();
+        // Columns that are dependent to within rounding have no usable inverse.
+        let flat = matrix.matrix3.determinant().abs() <= 1e-14 * scale;
+        (inverse.is_finite() && !flat).then_some(Self {
+            forward: matrix,
+            inverse,
+        })
+    }
+
+    /// Rotation by the orthonormal `axes` (columns), then translation to `origin`.
+    pub fn rigid(axes: DMat3, origin: DVec3) -> Self {
+        let back = axes.transpose();
+        Self {
+            forward: DAffine3::from_mat3_translation(axes, origin),
+            inverse: DAffine3::from_mat3_translation(back, -(back * origin)),
+        }
+    }
+
+    /// First `other`, then this.
+    #[must_use]
+    pub fn after(&self, other: &Self) -> Self {
+        Self {
+            forward: self.forward * other.forward,
+            inverse: other.inverse * self.inverse,
+        }
+    }
+
+    /// The forward matrix.
+    pub fn matrix(&self) -> &DAffine3 {
+        &self.forward
+    }
+
+    /// Whether it leaves every point where it is, to the bit.
+    pub fn is_identity(&self) -> bool {
+        self.forward == DAffine3::IDENTITY
+    }
+
+    /// Maps a point.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.forward.transform_point3(p)
+    }
+
+    /// Maps a direction; its length changes with the map.
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.forward.transform_vector3(v)
+    }
+
+    /// Maps a point back.
+    pub fn inverse_point(&self, p: DVec3) -> DVec3 {
+        self.inverse.transform_point3(p)
+    }
+
+    /// Maps a ray back; `t` means the same on both sides.
+    pub fn inverse_ray(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.inverse.transform_point3(ray.origin),
+            direction: self.inverse.transform_vector3(ray.direction),
+            ..*ray
+        }
+    }
+
+    /// Maps a surface normal (by the transposed inverse); unit length out, same side of the surface.
+    pub fn normal(&self, n: DVec3) -> DVec3 {
+        (self.inverse.matrix3.transpose() * n).normalize()
+    }
+
+    /// The box around the image of `bounds`; all of space stays so.
+    pub fn bounds(&self, bounds: &Bounds) -> Bounds {
+        if bounds.is_finite() {
+            Bounds::of_points(bounds.corners().map(|p| self.point(p)))
+        } else {
+            *bounds
+        }
+    }
+
+    /// The greatest factor by which it stretches a length (an upper bound: the Frobenius norm).
+    pub fn max_stretch(&self) -> f64 {
+        let m = &self.forward.matrix3;
+        (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
+    }
+
+    /// Whether it turns right-handed frames into left-handed ones.
+    pub fn mirrors(&self) -> bool {
+        self.forward.matrix3.determinant() < 0.0
+    }
+}

@@ -1,0 +1,5 @@
+//! Random numbers and what is made of them.
+
+mod warp;
+
+pub use warp::*;

@@ -1,0 +1,115 @@
+//! What is to be rendered: as authored (`description`) and with every file read and name resolved (`Scene`).
+
+pub mod description;
+mod model;
+
+pub use description::SceneDescription;
+pub use model::{Model, Part};
+
+use glam::DVec3;
+
+use crate::camera::Camera;
+use crate::color::{Rgb, Tonemap};
+use crate::film::Filter;
+use crate::geometry::{Mesh, Shape};
+use crate::material::{Material, MaterialId};
+use crate::math::Transform;
+
+/// A scene with every file read and every name resolved to an index.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Size, sample count, filter and curve of the picture.
+    pub film: FilmSettings,
+    /// How light is transported.
+    pub integrator: IntegratorSettings,
+    /// At least one; the first is used unless another is asked for by name.
+    pub cameras: Vec<Camera>,
+    /// Radiance that comes from every direction in which a ray meets nothing.
+    pub environment: Rgb,
+    /// Lights without extent.
+    pub lights: Vec<PointLight>,
+    /// All materials; a [`MaterialId`] indexes them.
+    pub materials: Vec<Material>,
+    /// All meshes; a [`crate::geometry::MeshId`] indexes them.
+    pub meshes: Vec<Mesh>,
+    /// Shapes placed in the world.
+    pub instances: Vec<Instance>,
+    /// What the readers want the user to know.
+    pub warnings: Vec<String>,
+}
+
+/// A shape with its place and its materials.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The object's name, if it has one.
+    pub name: Option<String>,
+    /// What is placed.
+    pub shape: Shape,
+    /// One material for each slot of the shape; a solid has one slot.
+    pub materials: Vec<MaterialId>,
+    /// Where.
+    pub world_from_object: Transform,
+    /// Whether normals are interpolated over a mesh's triangles.
+    pub smooth: bool,
+}
+
+impl Instance {
+    /// The material of a slot; the last one serves the slots beyond the list.
+    pub fn material(&self, slot: u32) -> MaterialId {
+        self.materials[(slot as usize).min(self.materials.len() - 1)]
+    }
+}
+
+/// A light that is a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointLight {
+    /// Where.
+    pub position: DVec3,
+    /// Radiant intensity, W/sr per channel.
+    pub intensity: Rgb,
+}
+
+/// Settings of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmSettings {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Curve of the PNG.
+    pub tonemap: Tonemap,
+}
+
+/// Which integrator, with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IntegratorSettings {
+    /// Path tracing.
+    Path {
+        /// Most scattering events on a path; `None` is unlimited.
+        max_depth: Option<u32>,
+        /// Whether dim paths are ended at random.
+        russian_roulette: bool,
+    },
+    /// Recursive ray tracing: direct light at diffuse surfaces, mirrors and refraction followed.
+    Whitted {
+        /// Most mirror reflections and refractions on a path.
+        max_depth: u32,
+        /// What is left of a light's contribution in shadow, 0..=1.
+        shadow_factor: f32,
+        /// Colour of rays that are lost or cut off by the limit; the environment where `None`.
+        background: Option<Rgb>,
+    },
+    /// Shading normals as colours, `0.5 n + 0.5`.
+    Normals,
+    /// Distance from the camera.
+    Depth,
+    /// The surface's own colour, unlit.
+    Flat,
+    /// Ambient occlusion: the share of the cosine-weighted hemisphere that is open.
+    Ao {
+        /// How far away an occluder counts; `None` is any distance.
+        radius: Option<f64>,
+    },
+}
