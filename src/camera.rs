@@ -46,7 +46,10 @@ impl Camera {
     pub fn lens(&self, size: (u32, u32)) -> Result<Lens> {
         let axis = self.look_at - self.eye;
         let forward = (axis.try_normalize()).ok_or_else(|| {
-            Error::input(format!("the camera's eye and look_at are the same point {}", self.eye))
+            Error::input(format!(
+                "the camera's eye and look_at are the same point {}",
+                self.eye
+            ))
         })?;
         let right = forward.cross(self.up).try_normalize().ok_or_else(|| {
             Error::input(format!("the camera's up {} lies along its view", self.up))

@@ -134,7 +134,9 @@ impl Error {
     /// `path` could not be read because of `cause`.
     pub fn read(path: impl AsRef<Path>, cause: &std::io::Error) -> Self {
         let help = match cause.kind() {
-            std::io::ErrorKind::NotFound => "check the path; relative paths in a scene start at the scene file's folder",
+            std::io::ErrorKind::NotFound => {
+                "check the path; relative paths in a scene start at the scene file's folder"
+            }
             std::io::ErrorKind::PermissionDenied => "check the file's permissions",
             _ => "check that it is a readable file",
         };
@@ -145,8 +147,11 @@ impl Error {
 
     /// `path` could not be written because of `message`.
     pub fn write(path: impl AsRef<Path>, message: impl fmt::Display) -> Self {
-        Self::new(ErrorKind::Write, format!("cannot write the file: {message}"))
-            .at(Place::file(path))
+        Self::new(
+            ErrorKind::Write,
+            format!("cannot write the file: {message}"),
+        )
+        .at(Place::file(path))
     }
 
     /// Says where; an inner place that is already known is kept.

@@ -105,6 +105,15 @@ impl Transform {
         (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
     }
 
+    /// The factor by which it scales every length, or `None` where directions differ.
+    pub fn uniform_scale(&self) -> Option<f64> {
+        let m = &self.forward.matrix3;
+        let gram = m.transpose() * *m;
+        let square = gram.x_axis.x;
+        let same = gram.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 1e-9 * square);
+        same.then(|| square.sqrt())
+    }
+
     /// Whether it turns right-handed frames into left-handed ones.
     pub fn mirrors(&self) -> bool {
         self.forward.matrix3.determinant() < 0.0

@@ -6,12 +6,11 @@ mod model;
 pub use description::SceneDescription;
 pub use model::{Model, Part};
 
-use glam::DVec3;
-
 use crate::camera::Camera;
 use crate::color::{Rgb, Tonemap};
 use crate::film::Filter;
 use crate::geometry::{Mesh, Shape};
+use crate::light::PointLight;
 use crate::material::{Material, MaterialId};
 use crate::math::Transform;
 
@@ -58,15 +57,6 @@ impl Instance {
     pub fn material(&self, slot: u32) -> MaterialId {
         self.materials[(slot as usize).min(self.materials.len() - 1)]
     }
-}
-
-/// A light that is a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointLight {
-    /// Where.
-    pub position: DVec3,
-    /// Radiant intensity, W/sr per channel.
-    pub intensity: Rgb,
 }
 
 /// Settings of the picture.

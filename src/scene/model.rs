@@ -1,9 +1,8 @@
 use crate::camera::Camera;
 use crate::geometry::Mesh;
+use crate::light::PointLight;
 use crate::material::Material;
 use crate::math::Transform;
-
-use super::PointLight;
 
 /// What a model file (OBJ, glTF, ...) holds, before it is placed in a scene.
 #[derive(Clone, Debug, Default)]

@@ -1,0 +1,226 @@
+use std::ops::ControlFlow;
+
+use glam::{DVec3, Vec2};
+
+use crate::error::Result;
+use crate::geometry::{Mesh, MeshId, Shape, Solid};
+use crate::math::{Bounds, Ray, Transform};
+
+use super::mesh::{MeshReport, MeshTree};
+use super::ray::TreeRay;
+use super::tree::Tree;
+
+/// A shape in its place.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    /// What.
+    pub shape: Shape,
+    /// Where.
+    pub world_from_object: Transform,
+}
+
+/// The closest point in which a ray meets the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, in units of the ray's direction.
+    pub t: f64,
+    /// Mesh: barycentric weights of the second and third corner; else 0.
+    pub uv: Vec2,
+    /// Index of the placed shape.
+    pub instance: u32,
+    /// Mesh: the triangle's index in its file; else 0.
+    pub primitive: u32,
+    /// Solid: the face that was hit; else 0.
+    pub face: u32,
+}
+
+/// Ray queries over placed shapes.
+#[derive(Debug)]
+pub struct Accel {
+    meshes: Vec<MeshTree>,
+    placed: Vec<Placed>,
+    /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
+    tree: Option<(Tree, Vec<u32>)>,
+    planes: Vec<u32>,
+    bounds: Bounds,
+}
+
+impl Accel {
+    /// Builds a tree for each of `meshes` and one over `placed`, which refers to them by index.
+    ///
+    /// # Errors
+    /// Where a mesh is invalid or has no triangle with an area.
+    pub fn build(meshes: &[Mesh], placed: Vec<Placed>) -> Result<Self> {
+        let meshes = (meshes.iter())
+            .map(|mesh| MeshTree::build(mesh))
+            .collect::<Result<Vec<_>>>()?;
+        let (mut bounded, mut boxes, mut planes) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, p) in placed.iter().enumerate() {
+            let bounds = match p.shape {
+                Shape::Mesh(id) => meshes[id.0 as usize].bounds,
+                Shape::Solid(solid) => solid.bounds(),
+            };
+            if bounds.is_finite() {
+                bounded.push(i as u32);
+                boxes.push(padded(&p.world_from_object.bounds(&bounds)));
+            } else {
+                planes.push(i as u32);
+            }
+        }
+        let tree = (!boxes.is_empty()).then(|| {
+            let (tree, order) = Tree::build(&boxes);
+            let order = order.into_iter().map(|i| bounded[i as usize]).collect();
+            (tree, order)
+        });
+        Ok(Self {
+            bounds: boxes.into_iter().fold(Bounds::EMPTY, Bounds::union),
+            meshes,
+            placed,
+            tree,
+            planes,
+        })
+    }
+
+    /// The box around everything but planes.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// What building each mesh found.
+    pub fn mesh_reports(&self) -> impl Iterator<Item = MeshReport> + '_ {
+        self.meshes.iter().map(|mesh| mesh.report)
+    }
+
+    /// The triangles of a mesh that its tree left out, ascending.
+    pub fn dropped(&self, mesh: MeshId) -> &[u32] {
+        &self.meshes[mesh.0 as usize].dropped
+    }
+
+    /// A bound on the distance, in world units, between the surface of `instance` near the object-space
+    /// point `p` and what the queries take for it. A ray that starts this far off the surface does not
+    /// meet it again.
+    pub fn error(&self, instance: u32, p: DVec3) -> f64 {
+        let Placed {
+            shape,
+            world_from_object,
+        } = &self.placed[instance as usize];
+        let local = match shape {
+            Shape::Mesh(id) => self.meshes[id.0 as usize].error(p),
+            Shape::Solid(Solid::Plane) => p.abs().max_element() * SOLID_ERROR,
+            Shape::Solid(solid) => solid.bounds().size().max_element() * SOLID_ERROR,
+        };
+        let position = world_from_object.point(p).abs().max_element();
+        local * world_from_object.max_stretch() + position * SOLID_ERROR
+    }
+
+    /// The closest hit with `tmin < t < tmax`; of equal `t` the lowest instance, then primitive.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        let mut limit = ray.tmax;
+        let mut offer = |hit: Hit, limit: &mut f64| {
+            let tie = best.is_some_and(|b| hit.t == b.t && hit.instance < b.instance);
+            if hit.t < *limit || tie {
+                *limit = hit.t;
+                best = Some(hit);
+            }
+        };
+        for &plane in &self.planes {
+            if let Some(hit) = self.intersect_one(plane, ray, limit) {
+                offer(hit, &mut limit);
+            }
+        }
+        if let Some((tree, order)) = &self.tree {
+            let local = TreeRay::new(ray, tree.center, tree.extent);
+            let tmin = (ray.tmin / local.unit) as f32;
+            let tmax = (limit / local.unit) as f32;
+            let _ = tree.traverse(&local, tmin, tmax.next_up(), |leaf| {
+                for position in leaf {
+                    let instance = order[position as usize];
+                    if let Some(hit) = self.intersect_one(instance, ray, limit.next_up()) {
+                        offer(hit, &mut limit);
+                    }
+                }
+                ControlFlow::Continue(((limit / local.unit) as f32).next_up())
+            });
+        }
+        best
+    }
+
+    /// Whether anything lies in `tmin < t < tmax`.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if (self.planes.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
+            return true;
+        }
+        let Some((tree, order)) = &self.tree else {
+            return false;
+        };
+        let local = TreeRay::new(ray, tree.center, tree.extent);
+        let tmin = (ray.tmin / local.unit) as f32;
+        let tmax = ((ray.tmax / local.unit) as f32).next_up();
+        tree.traverse(&local, tmin, tmax, |mut leaf| {
+            if leaf.any(|position| self.occludes(order[position as usize], ray)) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(tmax)
+            }
+        })
+        .is_break()
+    }
+
+    fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {
+        let placed = &self.placed[instance as usize];
+        let local = placed.ray(ray, tmax);
+        match placed.shape {
+            Shape::Mesh(id) => {
+                let (hit, primitive) = self.meshes[id.0 as usize].intersect(&local, tmax)?;
+                Some(Hit {
+                    t: hit.t,
+                    uv: Vec2::new(hit.u as f32, hit.v as f32),
+                    instance,
+                    primitive,
+                    face: 0,
+                })
+            }
+            Shape::Solid(solid) => solid.closest(&local).map(|crossing| Hit {
+                t: crossing.t,
+                uv: Vec2::ZERO,
+                instance,
+                primitive: 0,
+                face: crossing.face,
+            }),
+        }
+    }
+
+    fn occludes(&self, instance: u32, ray: &Ray) -> bool {
+        let placed = &self.placed[instance as usize];
+        let local = placed.ray(ray, ray.tmax);
+        match placed.shape {
+            Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(&local),
+            Shape::Solid(solid) => solid.closest(&local).is_some(),
+        }
+    }
+}
+
+impl Placed {
+    /// `ray` in object space, ending at `tmax`.
+    fn ray(&self, ray: &Ray, tmax: f64) -> Ray {
+        let ray = Ray { tmax, ..*ray };
+        if self.world_from_object.is_identity() {
+            ray
+        } else {
+            self.world_from_object.inverse_ray(&ray)
+        }
+    }
+}
+
+/// Relative error of f64 crossings, with room for the few operations before and after them.
+const SOLID_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Grown by what transforming to f32 object space and back may lose.
+fn padded(bounds: &Bounds) -> Bounds {
+    let reach = bounds.size().max_element() * 2.0_f64.powi(-20);
+    Bounds {
+        min: bounds.min - reach,
+        max: bounds.max + reach,
+    }
+}

@@ -1,0 +1,58 @@
+//! From camera rays to radiance. Integrators take batches, so that the rays of many paths go to the
+//! world together.
+
+mod features;
+mod path;
+mod whitted;
+
+pub use features::FeatureIntegrator;
+pub use path::PathIntegrator;
+pub use whitted::WhittedIntegrator;
+
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::sampling::Sampler;
+use crate::scene::IntegratorSettings;
+use crate::world::World;
+
+/// A ray from the camera with the canonical samples of its path. Set 0 is the camera's.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// The ray, of unit direction.
+    pub ray: Ray,
+    /// Its samples.
+    pub sampler: Sampler,
+}
+
+/// Estimates the radiance that camera rays carry.
+pub trait Integrator: Sync {
+    /// Writes one estimate for each ray of the batch into `radiance`, of the same length; returns how
+    /// many rays were traced. An estimate depends on its own ray and samples alone.
+    fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64;
+}
+
+/// The integrator that `settings` describe.
+pub fn integrator(settings: &IntegratorSettings) -> Box<dyn Integrator> {
+    match *settings {
+        IntegratorSettings::Path {
+            max_depth,
+            russian_roulette,
+        } => Box::new(PathIntegrator {
+            max_depth,
+            russian_roulette,
+        }),
+        IntegratorSettings::Whitted {
+            max_depth,
+            shadow_factor,
+            background,
+        } => Box::new(WhittedIntegrator {
+            max_depth,
+            shadow_factor,
+            background,
+        }),
+        IntegratorSettings::Normals => Box::new(FeatureIntegrator::Normals),
+        IntegratorSettings::Depth => Box::new(FeatureIntegrator::Depth),
+        IntegratorSettings::Flat => Box::new(FeatureIntegrator::Flat),
+        IntegratorSettings::Ao { radius } => Box::new(FeatureIntegrator::Ao { radius }),
+    }
+}

@@ -1,0 +1,165 @@
+use glam::{DVec3, Vec2};
+
+use crate::accel::Hit;
+use crate::bsdf::Bsdf;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::sampling::{Sampler, power_heuristic};
+use crate::world::{SurfacePoint, World};
+
+use super::{CameraRay, Integrator};
+
+/// Unidirectional path tracing: light sampling and BSDF sampling joined by multiple importance sampling.
+///
+/// The paths of a batch advance together, one bounce at a time: all their rays are intersected, all
+/// surfaces shaded, all shadow rays tested.
+#[derive(Clone, Copy, Debug)]
+pub struct PathIntegrator {
+    /// Most scattering events on a path; `None` is unlimited.
+    pub max_depth: Option<u32>,
+    /// Whether dim paths are ended at random, without bias.
+    pub russian_roulette: bool,
+}
+
+/// A path under way.
+struct Path {
+    /// Index in the batch.
+    index: usize,
+    sampler: Sampler,
+    /// Throughput.
+    beta: Rgb,
+    /// What refraction did to `beta` by spreading light, taken out: Russian roulette must not see it.
+    eta2: f32,
+    /// Where the last scattering happened and its density; infinite after a delta lobe or the camera.
+    from: DVec3,
+    pdf: f32,
+}
+
+/// Light that arrives if nothing is in the way.
+struct ShadowRay {
+    index: usize,
+    ray: Ray,
+    light: Rgb,
+}
+
+impl Integrator for PathIntegrator {
+    fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
+        radiance.fill(Rgb::ZERO);
+        let mut paths: Vec<Path> = (batch.iter().enumerate())
+            .map(|(index, camera)| Path {
+                index,
+                sampler: camera.sampler,
+                beta: Rgb::ONE,
+                eta2: 1.0,
+                from: camera.ray.origin,
+                pdf: f32::INFINITY,
+            })
+            .collect();
+        let mut rays: Vec<Ray> = batch.iter().map(|camera| camera.ray).collect();
+        let mut hits = vec![None; rays.len()];
+        let mut shadows: Vec<ShadowRay> = Vec::new();
+        let mut traced = 0;
+        for depth in 0.. {
+            traced += rays.len() as u64;
+            world.intersect_batch(&rays, &mut hits[..rays.len()]);
+            let mut alive = 0;
+            for i in 0..rays.len() {
+                let index = paths[i].index;
+                let Some(hit) = hits[i] else {
+                    radiance[index] += paths[i].beta * world.scene().environment;
+                    continue;
+                };
+                let point = world.surface(&rays[i], &hit);
+                radiance[index] += emitted(world, &paths[i], &hit, &point);
+                if self.max_depth.is_some_and(|most| depth >= most) {
+                    continue;
+                }
+                let wo = -rays[i].direction.as_vec3();
+                let bsdf = world.bsdf(&point);
+                let [pick, u, v, _] = paths[i].sampler.set(2 * depth + 2);
+                if bsdf.is_smooth()
+                    && let Some((ray, light)) =
+                        direct(world, &point, &bsdf, wo, pick, Vec2::new(u, v))
+                {
+                    let light = paths[i].beta * light;
+                    shadows.push(ShadowRay { index, ray, light });
+                }
+                if let Some(ray) = self.scatter(&mut paths[i], &point, &bsdf, wo, depth) {
+                    paths.swap(alive, i);
+                    rays[alive] = ray;
+                    alive += 1;
+                }
+            }
+            paths.truncate(alive);
+            rays.truncate(alive);
+            traced += shadows.len() as u64;
+            for shadow in shadows.drain(..) {
+                if !world.occluded(&shadow.ray) {
+                    radiance[shadow.index] += shadow.light;
+                }
+            }
+            if paths.is_empty() {
+                break;
+            }
+        }
+        traced
+    }
+}
+
+/// What the surface sends back along the path by itself, weighted against light sampling.
+fn emitted(world: &World, path: &Path, hit: &Hit, point: &SurfacePoint) -> Rgb {
+    let emission = world.material(point).emission;
+    if emission == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    let weight = if path.pdf.is_infinite() {
+        1.0
+    } else {
+        power_heuristic(path.pdf, world.light_pdf(path.from, hit, point.p))
+    };
+    path.beta * emission * weight
+}
+
+/// Light sampled towards one light: the shadow ray, and what it brings if it is free.
+fn direct(
+    world: &World,
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    wo: glam::Vec3,
+    pick: f32,
+    u2: Vec2,
+) -> Option<(Ray, Rgb)> {
+    let sample = world.lights().sample(point.p, pick, u2)?;
+    let wi = (sample.p - point.p).as_vec3().try_normalize()?;
+    let (f_cos, pdf) = bsdf.eval(wo, wi);
+    let weight = power_heuristic(sample.pdf, pdf) / sample.divisor();
+    let light = f_cos * sample.li * weight;
+    (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))
+}
+
+impl PathIntegrator {
+    /// Draws the path's next direction; `None` where it ends.
+    fn scatter(
+        &self,
+        path: &mut Path,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wo: glam::Vec3,
+        depth: u32,
+    ) -> Option<Ray> {
+        let [pick, u, v, survive] = path.sampler.set(2 * depth + 1);
+        let sample = bsdf.sample(wo, pick, Vec2::new(u, v))?;
+        path.beta *= sample.weight;
+        path.eta2 *= sample.eta2;
+        if self.russian_roulette && depth >= 3 {
+            let chance = (path.beta * path.eta2).max_element().min(1.0);
+            if survive >= chance {
+                return None;
+            }
+            path.beta /= chance;
+        }
+        path.from = point.p;
+        path.pdf = sample.pdf;
+        (path.beta != Rgb::ZERO).then(|| point.spawn(sample.wi))
+    }
+}

@@ -1,0 +1,104 @@
+use glam::Vec2;
+
+use crate::color::Rgb;
+use crate::light::{Light, LightSample};
+use crate::math::Ray;
+use crate::world::{SurfacePoint, World};
+
+use super::{CameraRay, Integrator};
+
+/// Recursive ray tracing after Whitted 1980: diffuse surfaces show direct light, mirrors and glass pass
+/// the ray on. At a dielectric one of the two directions is followed, by chance.
+#[derive(Clone, Copy, Debug)]
+pub struct WhittedIntegrator {
+    /// Most reflections and refractions.
+    pub max_depth: u32,
+    /// What is left of a light's contribution in its shadow, 0..=1.
+    pub shadow_factor: f32,
+    /// Colour of rays that leave the scene or reach the limit; else the environment, and black.
+    pub background: Option<Rgb>,
+}
+
+impl Integrator for WhittedIntegrator {
+    fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
+        let mut traced = 0;
+        for (camera, radiance) in batch.iter().zip(radiance) {
+            *radiance = self.follow(world, camera, &mut traced);
+        }
+        traced
+    }
+}
+
+impl WhittedIntegrator {
+    fn follow(&self, world: &World, camera: &CameraRay, traced: &mut u64) -> Rgb {
+        let mut ray = camera.ray;
+        let mut beta = Rgb::ONE;
+        let mut light = Rgb::ZERO;
+        for depth in 0..=self.max_depth {
+            *traced += 1;
+            let Some(hit) = world.intersect(&ray) else {
+                return light + beta * self.background.unwrap_or(world.scene().environment);
+            };
+            let point = world.surface(&ray, &hit);
+            light += beta * world.material(&point).emission;
+            let bsdf = world.bsdf(&point);
+            let wo = -ray.direction.as_vec3();
+            if bsdf.is_smooth() {
+                return light + beta * self.direct(world, &point, wo, camera, depth, traced);
+            }
+            let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
+            let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
+                return light;
+            };
+            beta *= sample.weight;
+            ray = point.spawn(sample.wi);
+        }
+        light + beta * self.background.unwrap_or(Rgb::ZERO)
+    }
+
+    /// Direct light from every point light, and from one point of one of the others.
+    fn direct(
+        &self,
+        world: &World,
+        point: &SurfacePoint,
+        wo: glam::Vec3,
+        camera: &CameraRay,
+        depth: u32,
+        traced: &mut u64,
+    ) -> Rgb {
+        let bsdf = world.bsdf(point);
+        let mut add = |sample: LightSample| {
+            let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
+                return Rgb::ZERO;
+            };
+            let (f_cos, _) = bsdf.eval(wo, wi);
+            if f_cos == Rgb::ZERO {
+                return Rgb::ZERO;
+            }
+            *traced += 1;
+            let shadow: Ray = point.towards(sample.p);
+            let open = if world.occluded(&shadow) {
+                self.shadow_factor
+            } else {
+                1.0
+            };
+            open * f_cos * sample.li / sample.divisor()
+        };
+        let lights = world.lights();
+        let mut sum = Rgb::ZERO;
+        for light in lights.lights() {
+            if matches!(light, Light::Point(_))
+                && let Some(sample) = light.sample(point.p, Vec2::ZERO)
+            {
+                sum += add(sample);
+            }
+        }
+        let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
+        if let Some(sample) = lights.sample(point.p, pick, Vec2::new(u, v))
+            && sample.pdf.is_finite()
+        {
+            sum += add(sample);
+        }
+        sum
+    }
+}

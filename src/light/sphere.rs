@@ -1,0 +1,68 @@
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec2};
+
+use crate::color::Rgb;
+use crate::math::Frame;
+use crate::sampling::{UNIFORM_SPHERE_PDF, uniform_cone, uniform_cone_pdf, uniform_sphere};
+
+use super::LightSample;
+
+/// A sphere in world space that emits `radiance` from every point of its surface, inward too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereLight {
+    /// Centre.
+    pub center: DVec3,
+    /// Above 0.
+    pub radius: f64,
+    /// W/(m² sr).
+    pub radiance: Rgb,
+    /// How far off the surface a point must be to lie clearly in front of it.
+    pub error: f64,
+}
+
+impl SphereLight {
+    /// From outside, uniform over the cone in which the sphere is seen; from inside, over all directions.
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+        let axis = self.center - from;
+        let direction = match self.one_minus_cos(from) {
+            Some(one_minus_cos) => {
+                let frame = Frame::around(axis.normalize().as_vec3());
+                frame.to_world(uniform_cone(u2, one_minus_cos))
+            }
+            None => uniform_sphere(u2),
+        }
+        .as_dvec3()
+        .normalize();
+        // The foot of the perpendicular from the centre, then half the chord back towards `from`,
+        // or on to the far side from inside.
+        let along = axis.dot(direction);
+        let offset2 = (axis - along * direction).length_squared();
+        let half = (self.radius * self.radius - offset2).max(0.0).sqrt();
+        let outside = axis.length_squared() > self.radius * self.radius;
+        let t = if outside { along - half } else { along + half };
+        let n = (from + t * direction - self.center).try_normalize()?;
+        let clearance = if outside { self.error } else { -self.error };
+        Some(LightSample {
+            p: self.center + (self.radius + clearance) * n,
+            li: self.radiance,
+            pdf: self.pdf(from),
+        })
+    }
+
+    pub(super) fn pdf(&self, from: DVec3) -> f32 {
+        self.one_minus_cos(from)
+            .map_or(UNIFORM_SPHERE_PDF, uniform_cone_pdf)
+    }
+
+    /// Of the half angle in which the sphere is seen; `None` from inside.
+    fn one_minus_cos(&self, from: DVec3) -> Option<f32> {
+        let sin2 = self.radius * self.radius / self.center.distance_squared(from);
+        // 1 - sqrt(1 - s) without cancellation.
+        (sin2 < 1.0).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+    }
+
+    pub(super) fn power(&self) -> f64 {
+        4.0 * PI * PI * self.radius * self.radius * f64::from(self.radiance.element_sum())
+    }
+}

@@ -1,0 +1,64 @@
+/// Picks an index with probability in proportion to its weight.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Discrete {
+    /// Sums of the weights up to and including each index.
+    cumulative: Vec<f64>,
+}
+
+impl Discrete {
+    /// A distribution over `weights`, finite and at least 0; where all are 0 each index is as likely.
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Self {
+        let mut sum = 0.0;
+        let mut cumulative: Vec<f64> = (weights.into_iter())
+            .map(|w| {
+                sum += w;
+                sum
+            })
+            .collect();
+        if sum == 0.0 {
+            for (i, c) in cumulative.iter_mut().enumerate() {
+                *c = (i + 1) as f64;
+            }
+        }
+        Self { cumulative }
+    }
+
+    fn total(&self) -> f64 {
+        self.cumulative.last().copied().unwrap_or(0.0)
+    }
+
+    /// An index and its probability, or `None` where there are no weights. `u` in [0, 1).
+    pub fn sample(&self, u: f32) -> Option<(usize, f32)> {
+        let target = f64::from(u) * self.total();
+        let index = self.cumulative.partition_point(|&c| c <= target);
+        (index < self.cumulative.len()).then(|| (index, self.probability(index)))
+    }
+
+    /// The probability of an index.
+    pub fn probability(&self, index: usize) -> f32 {
+        let below = if index == 0 {
+            0.0
+        } else {
+            self.cumulative[index - 1]
+        };
+        ((self.cumulative[index] - below) / self.total()) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_come_in_proportion_to_their_weights() {
+        let d = Discrete::new([1.0, 0.0, 3.0, 4.0]);
+        let mut counts = [0; 4];
+        for i in 0..8000 {
+            counts[d.sample((i as f32 + 0.5) / 8000.0).unwrap().0] += 1;
+        }
+        assert_eq!(counts, [1000, 0, 3000, 4000]);
+        assert_eq!(d.probability(2), 0.375);
+        assert_eq!(Discrete::new([]).sample(0.5), None);
+        assert_eq!(Discrete::new([0.0, 0.0]).sample(0.75), Some((1, 0.5)));
+    }
+}

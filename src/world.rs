@@ -1,0 +1,268 @@
+//! The scene with its trees and lights built: answers rays.
+
+use glam::{DVec3, Vec3};
+
+use crate::accel::{Accel, Hit, MeshReport, Placed};
+use crate::bsdf::Bsdf;
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::geometry::{Shape, Solid};
+use crate::light::{Light, LightSampler, SphereLight, TriangleLight};
+use crate::material::{Material, MaterialId};
+use crate::math::{Bounds, Ray};
+use crate::scene::{Instance, Scene};
+use crate::texture::TexturePoint;
+
+/// Everything that rendering reads, immutable.
+#[derive(Debug)]
+pub struct World {
+    scene: Scene,
+    accel: Accel,
+    lights: LightSampler,
+    /// For each instance where its lights start in the sampler's list.
+    emitters: Vec<Emitters>,
+}
+
+/// Which of the sampler's lights are the surfaces of one instance.
+#[derive(Clone, Debug)]
+enum Emitters {
+    None,
+    /// The whole shape is one light.
+    One(u32),
+    /// For each triangle of a mesh its light, or `u32::MAX`.
+    Triangles(Vec<u32>),
+}
+
+/// A point on a surface, ready for shading.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Where, in world space.
+    pub p: DVec3,
+    /// A ray must start this far off the surface so as not to meet it again.
+    pub error: f64,
+    /// Outward geometric normal.
+    pub ng: Vec3,
+    /// Shading normal, on the side of `ng`.
+    pub ns: Vec3,
+    /// What textures see.
+    pub texture: TexturePoint,
+    /// The surface's material.
+    pub material: MaterialId,
+}
+
+impl World {
+    /// Builds trees and lights.
+    ///
+    /// # Errors
+    /// Where a mesh is invalid or has no triangle with an area.
+    pub fn build(scene: Scene) -> Result<Self> {
+        let placed = (scene.instances.iter())
+            .map(|instance| Placed {
+                shape: instance.shape,
+                world_from_object: instance.world_from_object,
+            })
+            .collect();
+        let accel = Accel::build(&scene.meshes, placed)?;
+        let mut lights: Vec<Light> = scene.lights.iter().copied().map(Light::Point).collect();
+        let emitters = (0..scene.instances.len())
+            .map(|i| find_emitters(&scene, &accel, i, &mut lights))
+            .collect();
+        Ok(Self {
+            lights: LightSampler::new(lights),
+            scene,
+            accel,
+            emitters,
+        })
+    }
+
+    /// The scene it was built from.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The lights that paths can aim at.
+    pub fn lights(&self) -> &LightSampler {
+        &self.lights
+    }
+
+    /// The box around everything but planes.
+    pub fn bounds(&self) -> Bounds {
+        self.accel.bounds()
+    }
+
+    /// What building each mesh's tree found.
+    pub fn mesh_reports(&self) -> impl Iterator<Item = MeshReport> + '_ {
+        self.accel.mesh_reports()
+    }
+
+    /// The closest hit with `tmin < t < tmax`.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.accel.intersect(ray)
+    }
+
+    /// Whether anything lies in `tmin < t < tmax`.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.accel.occluded(ray)
+    }
+
+    /// The closest hit of each ray, into `hits` of the same length.
+    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len());
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.intersect(ray);
+        }
+    }
+
+    /// The instance that was hit.
+    pub fn instance(&self, hit: &Hit) -> &Instance {
+        &self.scene.instances[hit.instance as usize]
+    }
+
+    /// The material at a surface point.
+    pub fn material(&self, point: &SurfacePoint) -> &Material {
+        &self.scene.materials[point.material.0 as usize]
+    }
+
+    /// How the surface scatters.
+    pub fn bsdf(&self, point: &SurfacePoint) -> Bsdf {
+        let surface = &self.material(point).surface;
+        Bsdf::new(surface, &point.texture, point.ng, point.ns)
+    }
+
+    /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0
+    /// where the surface is not among the lights.
+    pub fn light_pdf(&self, from: DVec3, hit: &Hit, p: DVec3) -> f32 {
+        let light = match &self.emitters[hit.instance as usize] {
+            Emitters::None => return 0.0,
+            Emitters::One(light) => *light,
+            Emitters::Triangles(lights) => lights[hit.primitive as usize],
+        };
+        if light == u32::MAX {
+            0.0
+        } else {
+            self.lights.pdf(light, from, p)
+        }
+    }
+
+    /// The surface where `ray` was hit.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let instance = self.instance(hit);
+        let transform = &instance.world_from_object;
+        let (p_object, n, shading, uv, slot) = match instance.shape {
+            Shape::Solid(solid) => {
+                let local = transform.inverse_ray(ray);
+                let p = solid.project(local.at(hit.t), hit.face);
+                let n = solid.normal(p, hit.face);
+                (p, n, None, solid.uv(p, hit.face).as_vec2(), 0)
+            }
+            Shape::Mesh(id) => {
+                let mesh = &self.scene.meshes[id.0 as usize];
+                let corner = mesh.triangles[hit.primitive as usize];
+                let [a, b, c] = mesh.corners(hit.primitive).map(Vec3::as_dvec3);
+                let (ab, ac) = (b - a, c - a);
+                let (v, w) = (hit.uv.x, hit.uv.y);
+                let u = 1.0 - v - w;
+                let shading = (instance.smooth && !mesh.normals.is_empty()).then(|| {
+                    let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
+                    u * na + v * nb + w * nc
+                });
+                let uv = if mesh.uvs.is_empty() {
+                    hit.uv
+                } else {
+                    let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
+                    u * ta + v * tb + w * tc
+                };
+                let p = a + f64::from(v) * ab + f64::from(w) * ac;
+                let n = ab.cross(ac).normalize();
+                (p, n, shading, uv, mesh.slot(hit.primitive))
+            }
+        };
+        let ng = transform.normal(n).as_vec3().normalize();
+        let ns = shading
+            .map(|n| transform.normal(n.as_dvec3()).as_vec3())
+            .filter(|n| n.is_finite())
+            .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n });
+        SurfacePoint {
+            p: transform.point(p_object),
+            error: self.accel.error(hit.instance, p_object),
+            ng,
+            ns,
+            texture: TexturePoint { p: p_object, n, uv },
+            material: instance.material(slot),
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// The surface's point moved clear of it, to the side of `direction`.
+    pub fn origin(&self, direction: Vec3) -> DVec3 {
+        let side = self.error.copysign(f64::from(direction.dot(self.ng)));
+        self.p + side * self.ng.as_dvec3()
+    }
+
+    /// A ray that leaves the surface.
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        Ray::new(self.origin(direction), direction.as_dvec3())
+    }
+
+    /// The segment from the surface to `target`, for a shadow query.
+    pub fn towards(&self, target: DVec3) -> Ray {
+        let origin = self.origin((target - self.p).as_vec3());
+        Ray {
+            tmax: 1.0,
+            ..Ray::new(origin, target - origin)
+        }
+    }
+}
+
+/// Adds the lights that the surfaces of instance `index` are.
+fn find_emitters(scene: &Scene, accel: &Accel, index: usize, lights: &mut Vec<Light>) -> Emitters {
+    let instance = &scene.instances[index];
+    let emission = |slot: u32| scene.materials[instance.material(slot).0 as usize].emission;
+    let transform = &instance.world_from_object;
+    match instance.shape {
+        Shape::Solid(Solid::Sphere { radius }) if emission(0) != Rgb::ZERO => {
+            // A sphere that a transform squashes is no sphere: rays find it, nothing aims at it.
+            let Some(scale) = transform.uniform_scale() else {
+                return Emitters::None;
+            };
+            lights.push(Light::Sphere(SphereLight {
+                center: transform.point(DVec3::ZERO),
+                radius: radius * scale,
+                radiance: emission(0),
+                error: accel.error(index as u32, DVec3::X * radius),
+            }));
+            Emitters::One(lights.len() as u32 - 1)
+        }
+        Shape::Mesh(id) => {
+            let mesh = &scene.meshes[id.0 as usize];
+            let dropped = accel.dropped(id);
+            let mut found = false;
+            let of_triangle = (0..mesh.triangles.len() as u32)
+                .map(|i| {
+                    let radiance = emission(mesh.slot(i));
+                    // Rays never report a triangle that the tree left out.
+                    if radiance == Rgb::ZERO || dropped.binary_search(&i).is_ok() {
+                        return u32::MAX;
+                    }
+                    found = true;
+                    let [a, b, c] = mesh.corners(i).map(Vec3::as_dvec3);
+                    let corner = transform.point(a);
+                    lights.push(Light::Triangle(TriangleLight {
+                        corner,
+                        edges: [transform.point(b) - corner, transform.point(c) - corner],
+                        radiance,
+                        error: accel.error(index as u32, a),
+                    }));
+                    lights.len() as u32 - 1
+                })
+                .collect();
+            if found {
+                Emitters::Triangles(of_triangle)
+            } else {
+                Emitters::None
+            }
+        }
+        Shape::Solid(_) => Emitters::None,
+    }
+}
