@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod bsdf;
 pub mod camera;
+pub mod cli;
 pub mod color;
 pub mod error;
 pub mod film;
@@ -13,6 +14,7 @@ pub mod io;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod texture;

@@ -1,4 +1,4 @@
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -89,50 +89,40 @@ impl MeshTree {
         })
     }
 
-    /// A bound on how far the traversal's picture of a point near the surface may lie from the point:
-    /// roundings of the origin and corners relative to the tree's centre.
-    pub(super) fn error(&self, p: DVec3) -> f64 {
-        let reach = f64::from(self.tree.extent) + (p - self.tree.center).abs().max_element();
-        reach * 2.0_f64.powi(-21)
-    }
-
-    /// The closest hit before `tmax`; of equal `t` the lowest primitive, whatever the tree looks like.
-    pub(super) fn intersect(&self, ray: &Ray, tmax: f64) -> Option<(TriangleHit, u32)> {
+    /// The closest hit in `ray.tmin..ray.tmax`; of equal `t` the lowest primitive, whatever the tree
+    /// looks like.
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<(TriangleHit, u32)> {
         let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let (tmin, mut limit) = (ray.tmin / local.unit, tmax / local.unit);
+        let start = local.box_start(ray.tmin);
+        let mut limit = ray.tmax;
         let mut best: Option<(TriangleHit, u32)> = None;
         let _ = self
             .tree
-            .traverse(&local, tmin as f32, limit as f32, |leaf| {
-                for triangle in &self.triangles[leaf.start as usize..leaf.end as usize] {
+            .traverse(&local, start, local.box_limit(limit), |leaf| {
+                for triangle in self.leaf(leaf) {
                     let Some(hit) = triangle.intersect(&local) else {
                         continue;
                     };
                     let tie = best.is_some_and(|(b, id)| hit.t == b.t && triangle.primitive < id);
-                    if hit.t > tmin && (hit.t < limit || tie) {
+                    if hit.t > ray.tmin && (hit.t < limit || tie) {
                         limit = hit.t;
                         best = Some((hit, triangle.primitive));
                     }
                 }
-                ControlFlow::Continue((limit as f32).next_up())
+                ControlFlow::Continue(local.box_limit(limit))
             });
-        best.map(|(hit, id)| {
-            let t = hit.t * local.unit;
-            (TriangleHit { t, ..hit }, id)
-        })
+        best
     }
 
     /// Whether any triangle lies in `ray.tmin..ray.tmax`.
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let (tmin, tmax) = (ray.tmin / local.unit, ray.tmax / local.unit);
-        let limit = (tmax as f32).next_up();
+        let limit = local.box_limit(ray.tmax);
         (self.tree)
-            .traverse(&local, tmin as f32, limit, |leaf| {
-                let blocked = self.triangles[leaf.start as usize..leaf.end as usize]
-                    .iter()
+            .traverse(&local, local.box_start(ray.tmin), limit, |leaf| {
+                let blocked = (self.leaf(leaf).iter())
                     .filter_map(|triangle| triangle.intersect(&local))
-                    .any(|hit| hit.t > tmin && hit.t < tmax);
+                    .any(|hit| hit.t > ray.tmin && hit.t < ray.tmax);
                 if blocked {
                     ControlFlow::Break(())
                 } else {
@@ -140,6 +130,10 @@ impl MeshTree {
                 }
             })
             .is_break()
+    }
+
+    fn leaf(&self, positions: Range<u32>) -> &[Triangle] {
+        &self.triangles[positions.start as usize..positions.end as usize]
     }
 }
 

@@ -2,16 +2,15 @@ use glam::{DVec3, Vec3};
 
 use crate::math::Ray;
 
-/// A ray made ready for one tree: f32, relative to the tree's centre, with everything that the box and
+/// A ray made ready for one tree, relative to the tree's centre, with everything that the box and
 /// triangle tests share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeRay {
     /// Origin relative to the tree's centre.
     pub origin: Vec3,
-    /// For the box test, near planes: `t = plane * inverse - near`, widened outward by [`PAD`].
+    /// For the box test: `t = plane * inverse - near` or `- far`, each widened outward by `slack`.
     pub inverse: Vec3,
     pub near: Vec3,
-    /// The same for far planes.
     pub far: Vec3,
     /// 1 where the direction is negative: which of a box's planes is the near one.
     pub sign: [usize; 3],
@@ -19,36 +18,40 @@ pub(super) struct TreeRay {
     pub axes: [usize; 3],
     /// Woop's shear: direction components along `axes[0]` and `axes[1]` over the one along `axes[2]`.
     pub shear: [f32; 2],
+    /// More than any rounding of a coordinate in the f32 tests: rounding the origin, subtracting it,
+    /// and the shear cost less than 12 units of 2^-24 of the largest distance that matters.
+    pub slack: f32,
+    /// The same in f64, for what f32 leaves in doubt.
+    pub exact_origin: DVec3,
+    pub exact_shear: [f64; 2],
     /// The direction's component along `axes[2]`.
     pub length: f64,
-    /// `t` of the caller's ray is `t` here times this power of two.
+    /// A power of two: boxes and `inverse` use the direction times `unit`, so that f32 can hold it.
     pub unit: f64,
 }
 
-/// Boxes grow by this part of the largest distance that matters to the ray. Every rounding in the box
-/// and triangle tests is below 2^-22 of it, so no box loses a hit that the triangle test would accept.
-const PAD: f32 = 1.0 / (1 << 20) as f32;
+const SLACK: f32 = 1.0 / (1 << 20) as f32;
 
 impl TreeRay {
-    /// `extent` is the tree's half size around `center`, its largest component.
+    /// `extent` is the largest distance along an axis from `center` to what the tree holds.
     pub(super) fn new(ray: &Ray, center: DVec3, extent: f32) -> Self {
-        let longest = ray.direction.abs().max_element();
-        // A length near 1 keeps every product inside the range of f32; scaling by 2^k is exact.
-        let unit = if (1e-18..1e18).contains(&longest) {
-            1.0
-        } else {
-            exponent_of(longest).recip()
-        };
-        let direction = (ray.direction * unit).as_vec3();
-        let origin = (ray.origin - center).as_vec3();
-        let magnitude = direction.abs();
-        // Components below 2^-40 of the longest cannot leave the padding while the ray is in the tree.
-        let most = (2.0_f64.powi(40) / exponent_of(f64::from(magnitude.max_element()))) as f32;
-        let inverse = magnitude.recip().min(Vec3::splat(most)) * direction.signum();
-        let pad = PAD * (origin.abs().max_element() + extent);
-        let outward = Vec3::splat(pad) * direction.signum();
-        let z = magnitude.max_position();
+        let z = ray.direction.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let length = ray.direction[z];
+        let exact_shear = [
+            ray.direction[axes[0]] / length,
+            ray.direction[axes[1]] / length,
+        ];
+        let unit = exponent_of(length.abs()).recip();
+        let direction = (ray.direction * unit).as_vec3();
+        let exact_origin = ray.origin - center;
+        let origin = exact_origin.as_vec3();
+        let slack = SLACK * (origin.abs().max_element() + extent);
+        // The longest component is now in 1..2. One below 2^-40 of it cannot leave the slack while the
+        // ray is in the tree, and a bounded inverse keeps infinities out of the products.
+        let inverse =
+            direction.abs().recip().min(Vec3::splat(2.0_f32.powi(40))) * direction.signum();
+        let outward = slack * direction.signum();
         Self {
             origin,
             inverse,
@@ -56,13 +59,23 @@ impl TreeRay {
             far: (origin - outward) * inverse,
             sign: [0, 1, 2].map(|i| usize::from(direction[i].is_sign_negative())),
             axes,
-            shear: [
-                direction[axes[0]] / direction[z],
-                direction[axes[1]] / direction[z],
-            ],
-            length: f64::from(direction[z]),
+            shear: exact_shear.map(|s| s as f32),
+            slack,
+            exact_origin,
+            exact_shear,
+            length,
             unit,
         }
+    }
+
+    /// `t` of the caller's ray in the units of the box test, not below its true value.
+    pub(super) fn box_limit(&self, t: f64) -> f32 {
+        ((t / self.unit) as f32).next_up()
+    }
+
+    /// The same, not above its true value.
+    pub(super) fn box_start(&self, t: f64) -> f32 {
+        ((t / self.unit) as f32).next_down()
     }
 }
 

@@ -96,21 +96,21 @@ impl Accel {
         &self.meshes[mesh.0 as usize].dropped
     }
 
-    /// A bound on the distance, in world units, between the surface of `instance` near the object-space
-    /// point `p` and what the queries take for it. A ray that starts this far off the surface does not
-    /// meet it again.
+    /// How far, in world units, a ray must start off the surface of `instance` near the object-space
+    /// point `p` so as not to meet it again: queries decide in f64, and this is well above its rounding.
     pub fn error(&self, instance: u32, p: DVec3) -> f64 {
         let Placed {
             shape,
             world_from_object,
         } = &self.placed[instance as usize];
-        let local = match shape {
-            Shape::Mesh(id) => self.meshes[id.0 as usize].error(p),
-            Shape::Solid(Solid::Plane) => p.abs().max_element() * SOLID_ERROR,
-            Shape::Solid(solid) => solid.bounds().size().max_element() * SOLID_ERROR,
+        let size = match shape {
+            Shape::Mesh(id) => self.meshes[id.0 as usize].bounds.size().max_element(),
+            Shape::Solid(Solid::Plane) => 0.0,
+            Shape::Solid(solid) => solid.bounds().size().max_element(),
         };
+        let local = size + p.abs().max_element();
         let position = world_from_object.point(p).abs().max_element();
-        local * world_from_object.max_stretch() + position * SOLID_ERROR
+        ERROR * (local * world_from_object.max_stretch() + position)
     }
 
     /// The closest hit with `tmin < t < tmax`; of equal `t` the lowest instance, then primitive.
@@ -131,16 +131,15 @@ impl Accel {
         }
         if let Some((tree, order)) = &self.tree {
             let local = TreeRay::new(ray, tree.center, tree.extent);
-            let tmin = (ray.tmin / local.unit) as f32;
-            let tmax = (limit / local.unit) as f32;
-            let _ = tree.traverse(&local, tmin, tmax.next_up(), |leaf| {
+            let (start, end) = (local.box_start(ray.tmin), local.box_limit(limit));
+            let _ = tree.traverse(&local, start, end, |leaf| {
                 for position in leaf {
                     let instance = order[position as usize];
                     if let Some(hit) = self.intersect_one(instance, ray, limit.next_up()) {
                         offer(hit, &mut limit);
                     }
                 }
-                ControlFlow::Continue(((limit / local.unit) as f32).next_up())
+                ControlFlow::Continue(local.box_limit(limit))
             });
         }
         best
@@ -155,13 +154,12 @@ impl Accel {
             return false;
         };
         let local = TreeRay::new(ray, tree.center, tree.extent);
-        let tmin = (ray.tmin / local.unit) as f32;
-        let tmax = ((ray.tmax / local.unit) as f32).next_up();
-        tree.traverse(&local, tmin, tmax, |mut leaf| {
+        let limit = local.box_limit(ray.tmax);
+        tree.traverse(&local, local.box_start(ray.tmin), limit, |mut leaf| {
             if leaf.any(|position| self.occludes(order[position as usize], ray)) {
                 ControlFlow::Break(())
             } else {
-                ControlFlow::Continue(tmax)
+                ControlFlow::Continue(limit)
             }
         })
         .is_break()
@@ -172,7 +170,7 @@ impl Accel {
         let local = placed.ray(ray, tmax);
         match placed.shape {
             Shape::Mesh(id) => {
-                let (hit, primitive) = self.meshes[id.0 as usize].intersect(&local, tmax)?;
+                let (hit, primitive) = self.meshes[id.0 as usize].intersect(&local)?;
                 Some(Hit {
                     t: hit.t,
                     uv: Vec2::new(hit.u as f32, hit.v as f32),
@@ -213,8 +211,8 @@ impl Placed {
     }
 }
 
-/// Relative error of f64 crossings, with room for the few operations before and after them.
-const SOLID_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Far above the relative rounding of a few f64 operations, far below what can be seen.
+const ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Grown by what transforming to f32 object space and back may lose.
 fn padded(bounds: &Bounds) -> Bounds {

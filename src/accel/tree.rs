@@ -32,8 +32,7 @@ impl Tree {
     /// position in the leaves to index in `bounds`.
     pub(super) fn build(bounds: &[Bounds]) -> (Self, Vec<u32>) {
         let whole = bounds.iter().copied().fold(Bounds::EMPTY, Bounds::union);
-        // A centre with an f32's precision makes differences to f32 vertices exact where it can.
-        let center = whole.center().as_vec3().as_dvec3();
+        let center = exact_center(&whole);
         let boxes: Vec<Aabb> = bounds
             .iter()
             .map(|b| {
@@ -134,6 +133,19 @@ impl Tree {
             };
         }
     }
+}
+
+/// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again.
+/// Where an axis lies far from 0 against its length that is its middle, by Sterbenz's lemma (within a
+/// factor of two, differences are exact); elsewhere 0, and coordinates are of the size of the box.
+fn exact_center(bounds: &Bounds) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|axis| {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
+        let middle = f64::from((0.5 * (min + max)) as f32);
+        let (near, far) = (min.abs().min(max.abs()), min.abs().max(max.abs()));
+        let exact = min * max > 0.0 && 2.0 * near >= middle.abs() && far <= 2.0 * middle.abs();
+        if exact { middle } else { 0.0 }
+    }))
 }
 
 impl Node {

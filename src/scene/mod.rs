@@ -103,3 +103,22 @@ pub enum IntegratorSettings {
         radius: Option<f64>,
     },
 }
+
+impl IntegratorSettings {
+    /// Path tracing as it is where nothing else is said.
+    pub fn path() -> Self {
+        Self::Path {
+            max_depth: Some(8),
+            russian_roulette: true,
+        }
+    }
+
+    /// Recursive ray tracing as it is where nothing else is said.
+    pub fn whitted() -> Self {
+        Self::Whitted {
+            max_depth: 8,
+            shadow_factor: 0.0,
+            background: None,
+        }
+    }
+}

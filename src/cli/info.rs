@@ -1,0 +1,134 @@
+use clap::Args;
+use serde_json::json;
+
+use crate::accel::MeshReport;
+use crate::error::Result;
+use crate::geometry::{Shape, Solid};
+use crate::scene::Scene;
+use crate::world::World;
+
+use super::{InputArgs, grouped, size_text, warn};
+
+#[derive(Args)]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What there is to tell.
+struct Summary {
+    instances: usize,
+    mesh_instances: usize,
+    solids: usize,
+    planes: usize,
+    mesh: MeshReport,
+    bounds: Option<[[f64; 3]; 2]>,
+}
+
+pub(super) fn run(args: &InfoArgs) -> Result<()> {
+    let scene = args.input.read()?;
+    let world = World::build(scene)?;
+    let summary = Summary::of(&world);
+    if args.json {
+        println!("{}", summary.json(&world));
+    } else {
+        warn(&world.scene().warnings);
+        print!("{}", summary.text(&world));
+    }
+    Ok(())
+}
+
+impl Summary {
+    fn of(world: &World) -> Self {
+        let scene = world.scene();
+        let shapes = || scene.instances.iter().map(|i| i.shape);
+        let planes = shapes()
+            .filter(|s| *s == Shape::Solid(Solid::Plane))
+            .count();
+        let meshes = shapes().filter(|s| matches!(s, Shape::Mesh(_))).count();
+        let bounds = world.bounds();
+        Self {
+            instances: scene.instances.len(),
+            mesh_instances: meshes,
+            solids: scene.instances.len() - meshes - planes,
+            planes,
+            mesh: world
+                .mesh_reports()
+                .fold(MeshReport::default(), |sum, one| MeshReport {
+                    triangles: sum.triangles + one.triangles,
+                    degenerate: sum.degenerate + one.degenerate,
+                    duplicate: sum.duplicate + one.duplicate,
+                    bytes: sum.bytes + one.bytes,
+                }),
+            bounds: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
+        }
+    }
+
+    fn json(&self, world: &World) -> serde_json::Value {
+        let scene = world.scene();
+        json!({
+            "instances": self.instances,
+            "mesh_instances": self.mesh_instances,
+            "solids": self.solids,
+            "planes": self.planes,
+            "meshes": scene.meshes.len(),
+            "vertices": vertices(scene),
+            "triangles": self.mesh.triangles,
+            "degenerate_triangles": self.mesh.degenerate,
+            "duplicate_triangles": self.mesh.duplicate,
+            "tree_bytes": self.mesh.bytes,
+            "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+            "cameras": scene.cameras.len(),
+            "lights": world.lights().lights().len(),
+            "bounds": self.bounds,
+            "size": [scene.film.size.0, scene.film.size.1],
+            "spp": scene.film.spp,
+            "warnings": scene.warnings,
+        })
+    }
+
+    fn text(&self, world: &World) -> String {
+        let scene = world.scene();
+        let n = |count: usize| grouped(count as u64);
+        let mut lines = vec![
+            format!(
+                "objects    {} ({} meshes, {} solids, {} planes)",
+                n(self.instances),
+                n(self.mesh_instances),
+                n(self.solids),
+                n(self.planes)
+            ),
+            format!(
+                "triangles  {} of {} meshes, {} vertices",
+                n(self.mesh.triangles),
+                n(scene.meshes.len()),
+                n(vertices(scene))
+            ),
+        ];
+        if self.mesh.degenerate + self.mesh.duplicate > 0 {
+            lines.push(format!(
+                "left out   {} triangles without area, {} duplicates",
+                n(self.mesh.degenerate),
+                n(self.mesh.duplicate)
+            ));
+        }
+        lines.push(format!("trees      {}", size_text(self.mesh.bytes)));
+        let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+        lines.push(format!("materials  {} ({})", names.len(), names.join(", ")));
+        lines.push(format!("lights     {}", n(world.lights().lights().len())));
+        lines.push(format!("cameras    {}", n(scene.cameras.len())));
+        if let Some([min, max]) = self.bounds {
+            lines.push(format!("bounds     {min:?} to {max:?}"));
+        }
+        let (w, h) = scene.film.size;
+        lines.push(format!("picture    {w}x{h}, {} spp", scene.film.spp));
+        lines.join("\n") + "\n"
+    }
+}
+
+fn vertices(scene: &Scene) -> usize {
+    scene.meshes.iter().map(|mesh| mesh.positions.len()).sum()
+}

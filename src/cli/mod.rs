@@ -1,0 +1,109 @@
+//! The command line, one file a subcommand. Messages go to stderr; stdout carries what was asked for.
+
+mod info;
+mod progress;
+mod render;
+mod trace;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::error::{ErrorKind, Result};
+use crate::io::{ReadOptions, read_scene};
+use crate::scene::Scene;
+
+/// Renders triangle meshes and exact analytic solids.
+#[derive(Parser)]
+#[command(name = "solidtrace", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene or model to EXR and PNG
+    Render(render::RenderArgs),
+    /// Trace the rays of a CSV file and write their hits as CSV
+    Trace(trace::TraceArgs),
+    /// Show what a scene or model holds
+    Info(info::InfoArgs),
+}
+
+/// What every subcommand reads.
+#[derive(Args)]
+struct InputArgs {
+    /// A scene (.ron, .json) or a model (.obj, .gltf, .glb)
+    input: PathBuf,
+    /// Let the scene use files of this folder too; may be repeated
+    #[arg(long, value_name = "DIR")]
+    allow_path: Vec<PathBuf>,
+}
+
+impl InputArgs {
+    /// Reads the input and prints what its readers warn of.
+    fn read(&self) -> Result<Scene> {
+        let options = ReadOptions {
+            allow_paths: self.allow_path.clone(),
+        };
+        read_scene(&self.input, &options)
+    }
+}
+
+/// Exit code of a run that Ctrl-C ended.
+const INTERRUPTED: u8 = 130;
+
+/// Parses the arguments, runs the command, prints its error. Exit codes: 0 done, 1 an error, 2 wrong
+/// usage, 130 interrupted.
+pub fn run() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Trace(args) => trace::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
+    };
+    outcome.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::from(if error.kind() == ErrorKind::Usage {
+            2
+        } else {
+            1
+        })
+    })
+}
+
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}
+
+/// `1234567` as `1,234,567`.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut out = String::with_capacity(digits.len() * 4 / 3);
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            out.push(',');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// Bytes in the largest unit that keeps a digit before the point.
+fn size_text(bytes: usize) -> String {
+    let (mut value, mut unit) = (bytes as f64, "B");
+    for next in ["KiB", "MiB", "GiB"] {
+        if value < 1024.0 {
+            break;
+        }
+        (value, unit) = (value / 1024.0, next);
+    }
+    if unit == "B" {
+        format!("{bytes} B")
+    } else {
+        format!("{value:.1} {unit}")
+    }
+}

@@ -1,0 +1,196 @@
+//! From a world to a film: tiles, passes, threads.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use crate::camera::Lens;
+use crate::color::Rgb;
+use crate::error::{Error, ErrorKind, Result};
+use crate::film::{Film, Filter, Rect};
+use crate::integrator::{CameraRay, Integrator};
+use crate::sampling::{Sampler, SamplerKind};
+use crate::world::World;
+
+/// What to render. The picture is a function of these (and the scene) except for `threads` and
+/// `tile_size`, which only say how the work is split.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// The pixels to render, inside of the camera's picture.
+    pub area: Rect,
+    /// Which samples of each pixel.
+    pub samples: Range<u32>,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Kind of canonical samples.
+    pub sampler: SamplerKind,
+    /// Another seed, another noise.
+    pub seed: u64,
+    /// 0 is one for each core.
+    pub threads: usize,
+    /// Edge of the square tiles that workers take, in pixels.
+    pub tile_size: u32,
+}
+
+/// Watches a render, and may end it early.
+pub trait Observer: Sync {
+    /// `samples` more pixel samples are done, for which `rays` rays were traced.
+    fn advance(&self, _samples: u64, _rays: u64) {}
+
+    /// Asked before each tile: whether to stop with what there is.
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+/// Watches nothing.
+impl Observer for () {}
+
+/// A pixel sample whose radiance was no finite number; it is not in the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BadSample {
+    /// Column and row.
+    pub pixel: (u32, u32),
+    /// Number of the sample.
+    pub index: u32,
+}
+
+/// The outcome of a render.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The sums.
+    pub film: Film,
+    /// Rays traced.
+    pub rays: u64,
+    /// Wall time.
+    pub time: Duration,
+    /// Whether every sample that was asked for was taken.
+    pub complete: bool,
+    /// Samples left out, by pixel.
+    pub bad: Vec<BadSample>,
+}
+
+/// Renders. The film's bits depend on neither threads nor tiles: each sample has its own random
+/// numbers, and sums are exact.
+///
+/// # Errors
+/// Where the threads cannot be started.
+pub fn render(
+    world: &World,
+    lens: &Lens,
+    integrator: &dyn Integrator,
+    settings: &RenderSettings,
+    observer: &dyn Observer,
+) -> Result<Rendered> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+        .map_err(|e| {
+            let threads = settings.threads;
+            Error::new(
+                ErrorKind::Usage,
+                format!("cannot start {threads} threads: {e}"),
+            )
+        })?;
+    let start = Instant::now();
+    let mut rendered = Rendered {
+        film: Film::new(settings.area),
+        rays: 0,
+        time: Duration::ZERO,
+        complete: true,
+        bad: Vec::new(),
+    };
+    let tiles: Vec<Rect> = settings.area.tiles(settings.tile_size.max(1)).collect();
+    for pass in passes(settings.samples.clone()) {
+        let done: Vec<Option<Tile>> = pool.install(|| {
+            (tiles.par_iter())
+                .map(|&rect| {
+                    (!observer.stop()).then(|| {
+                        let tile = render_tile(world, lens, integrator, settings, rect, &pass);
+                        let pixels = u64::from(rect.width) * u64::from(rect.height);
+                        observer.advance(pixels * u64::from(pass.end - pass.start), tile.rays);
+                        tile
+                    })
+                })
+                .collect()
+        });
+        for tile in done {
+            let Some(tile) = tile else {
+                rendered.complete = false;
+                continue;
+            };
+            rendered.film.add(&tile.film);
+            rendered.rays += tile.rays;
+            rendered.bad.extend(tile.bad);
+        }
+        if !rendered.complete {
+            break;
+        }
+    }
+    rendered
+        .bad
+        .sort_unstable_by_key(|b| (b.pixel.1, b.pixel.0, b.index));
+    rendered.time = start.elapsed();
+    Ok(rendered)
+}
+
+/// Splits samples into passes over the whole picture, short at first, so that an early stop leaves an
+/// even picture soon.
+fn passes(samples: Range<u32>) -> impl Iterator<Item = Range<u32>> {
+    let (mut start, mut length) = (samples.start, 1);
+    std::iter::from_fn(move || {
+        let end = samples.end.min(start.saturating_add(length));
+        let pass = start..end;
+        (start, length) = (end, (2 * length).min(16));
+        (!pass.is_empty()).then_some(pass)
+    })
+}
+
+struct Tile {
+    film: Film,
+    rays: u64,
+    bad: Vec<BadSample>,
+}
+
+fn render_tile(
+    world: &World,
+    lens: &Lens,
+    integrator: &dyn Integrator,
+    settings: &RenderSettings,
+    rect: Rect,
+    samples: &Range<u32>,
+) -> Tile {
+    let pixels = (rect.y..rect.y + rect.height)
+        .flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
+    let keys: Vec<((u32, u32), u32)> = pixels
+        .flat_map(|pixel| samples.clone().map(move |index| (pixel, index)))
+        .collect();
+    let batch: Vec<CameraRay> = keys
+        .iter()
+        .map(|&(pixel, index)| {
+            let sampler = Sampler::new(settings.sampler, settings.seed, pixel, index);
+            let [u, v, lens_u, lens_v] = sampler.set(0);
+            let (dx, dy) = settings.filter.sample(Vec2::new(u, v));
+            let x = f64::from(pixel.0) + 0.5 + dx;
+            let y = f64::from(pixel.1) + 0.5 + dy;
+            CameraRay {
+                ray: lens.ray(x, y, Vec2::new(lens_u, lens_v)),
+                sampler,
+            }
+        })
+        .collect();
+    let mut radiance = vec![Rgb::ZERO; batch.len()];
+    let mut tile = Tile {
+        rays: integrator.radiance(world, &batch, &mut radiance),
+        film: Film::new(rect),
+        bad: Vec::new(),
+    };
+    for (&(pixel, index), &value) in keys.iter().zip(&radiance) {
+        if !tile.film.pixel_mut(pixel.0, pixel.1).add(value) {
+            tile.bad.push(BadSample { pixel, index });
+        }
+    }
+    tile
+}
