@@ -94,6 +94,11 @@ fn name(name: &str) -> Result<Text> {
     Ok(Text::from_slice_unchecked(name.as_bytes()))
 }
 
+/// The text of a header, UTF-8 as other writers have it too.
+fn string(text: &Text) -> String {
+    String::from_utf8_lossy(text.bytes()).into_owned()
+}
+
 fn to_half(x: f32) -> f16 {
     f16::from_f32(if x.is_nan() {
         x
@@ -126,7 +131,7 @@ fn sort_attributes(file: &mut [u8]) {
 ///
 /// # Errors
 /// Where the file cannot be read, is not an EXR, is damaged, or is of a kind that is not supported (deep, several
-/// parts, subsampled); and where its header asks for more memory than a file of its length can fill.
+/// parts, subsampled, B44 or DWA); and where its header asks for more memory than a file of its length can fill.
 pub fn read_exr(path: &Path) -> Result<Image> {
     let bytes = fs::read(path).map_err(|cause| Error::read(path, &cause))?;
     decode_exr(&bytes).map_err(|error| error.at(Place::file(path)))
@@ -154,7 +159,7 @@ pub fn decode_exr(bytes: &[u8]) -> Result<Image> {
 
     let layer = picture.layer_data;
     let channels = layer.channel_data.list.into_iter().map(|channel| Channel {
-        name: channel.name.to_string(),
+        name: string(&channel.name),
         values: match channel.sample_data {
             FlatSamples::F32(values) => values,
             other => other.values_as_f32().collect(),
@@ -163,10 +168,7 @@ pub fn decode_exr(bytes: &[u8]) -> Result<Image> {
     let attributes = layer.attributes.other.into_iter();
     let mut metadata: Vec<_> = attributes
         .filter_map(|(name, value)| match value {
-            AttributeValue::Text(text) => Some((
-                name.to_string(),
-                String::from_utf8_lossy(text.bytes()).into_owned(),
-            )),
+            AttributeValue::Text(text) => Some((string(&name), string(&text))),
             _ => None,
         })
         .collect();
@@ -194,6 +196,22 @@ fn check_header(meta: &MetaData, file_length: usize) -> Result<()> {
                 .help("only files with one part are supported; split the file"),
         );
     };
+    if !matches!(
+        header.compression,
+        Compression::Uncompressed
+            | Compression::RLE
+            | Compression::ZIP1
+            | Compression::ZIP16
+            | Compression::PIZ
+            | Compression::PXR24
+    ) {
+        // The decoders of B44 and DWA panic or take all memory when the data is damaged.
+        return Err(Error::input(format!(
+            "the EXR has {}, which is not read",
+            header.compression
+        ))
+        .help("save it with ZIP or PIZ compression"));
+    }
     let limit = ALWAYS_ALLOWED.max(file_length.saturating_mul(EXPANSION));
     let fits = |pixels: Option<usize>| {
         pixels

@@ -51,7 +51,7 @@ fn picture(width: usize, height: usize, names: &[&str]) -> Image {
         metadata: vec![
             ("camera".to_owned(), "front \"left\"\n, α = 0.5".to_owned()),
             ("scene".to_owned(), "größe.ron".to_owned()),
-            ("seconds".to_owned(), "12.5".to_owned()),
+            ("Größe".to_owned(), "12.5".to_owned()),
             ("spp".to_owned(), "256".to_owned()),
             (
                 "a name of more than thirty one characters".to_owned(),
@@ -252,6 +252,18 @@ fn a_header_that_asks_for_the_moon_is_refused_before_it_costs_memory() {
             error.message().contains(&format!("{width} x {height}")),
             "{error}"
         );
+    }
+}
+
+#[test]
+fn compressions_whose_decoders_are_not_safe_are_refused() {
+    let bytes = encode_exr(&picture(8, 8, &["R", "G", "B"]), Precision::Float).unwrap();
+    // B44, B44A, DWAA and DWAB in the order of the format's list.
+    for code in 6..=9 {
+        let mut mutant = bytes.clone();
+        mutant[attribute(&bytes, "compression")] = code;
+        let error = decode_exr(&mutant).unwrap_err();
+        assert!(error.message().contains("is not read"), "{error}");
     }
 }
 
