@@ -1,5 +1,8 @@
 //! A picture in memory: named f32 channels, rows from the top.
 
+use crate::color::Rgb;
+use crate::error::{Error, ErrorKind, Result};
+
 /// Channels of equal size, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
@@ -23,11 +26,60 @@ pub struct Channel {
 }
 
 impl Image {
+    /// A picture of `width * height` pixels with the channels `R`, `G`, `B` and no metadata.
+    pub fn rgb(width: usize, height: usize, pixels: &[Rgb]) -> Self {
+        let channels = ["R", "G", "B"]
+            .into_iter()
+            .enumerate()
+            .map(|(i, name)| Channel {
+                name: name.to_owned(),
+                values: pixels.iter().map(|pixel| pixel[i]).collect(),
+            });
+        Self {
+            width,
+            height,
+            channels: channels.collect(),
+            metadata: Vec::new(),
+        }
+    }
+
     /// The values of the channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels
             .iter()
             .find(|c| c.name == name)
             .map(|c| c.values.as_slice())
+    }
+
+    /// Checks what the encoders rely on.
+    ///
+    /// # Errors
+    /// Where there is no pixel or no channel, or a channel is not `width * height` long.
+    pub fn validate(&self) -> Result<()> {
+        let pixels = self.width.saturating_mul(self.height);
+        if pixels == 0 || self.channels.is_empty() {
+            return Err(Error::new(
+                ErrorKind::Usage,
+                format!(
+                    "an image of {} x {} pixels and {} channels has nothing to write",
+                    self.width,
+                    self.height,
+                    self.channels.len()
+                ),
+            ));
+        }
+        match self.channels.iter().find(|c| c.values.len() != pixels) {
+            None => Ok(()),
+            Some(channel) => Err(Error::new(
+                ErrorKind::Usage,
+                format!(
+                    "channel `{}` has {} values where {} x {} pixels need {pixels}",
+                    channel.name,
+                    channel.values.len(),
+                    self.width,
+                    self.height
+                ),
+            )),
+        }
     }
 }

@@ -1,1 +1,11 @@
 //! Files in and out: scenes, models, textures, images. Nothing else in the crate knows a file format.
+
+mod atomic;
+mod exr;
+mod picture;
+mod png;
+
+pub use atomic::{check_writable, write_atomically};
+pub use exr::{Precision, decode_exr, encode_exr, read_exr};
+pub use picture::{WriteOptions, check_image_path, write_image};
+pub use png::encode_png;

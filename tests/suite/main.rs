@@ -1,1 +1,5 @@
 //! The one test binary: a module for each thing that must hold.
+
+mod film;
+mod output;
+mod random;

@@ -1,0 +1,128 @@
+//! Writing a file so that it is there whole or not at all.
+
+use std::fs::{self, File, Permissions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, Result};
+
+/// Writes `bytes` to `path`: to a temporary file in the same folder, flushed to the disk, then renamed.
+/// Whatever fails, an old file keeps its content, and no reader ever sees half a file.
+/// A new file gets the permissions the user's umask asks for, a replaced one keeps its own;
+/// a symbolic link is followed.
+///
+/// # Errors
+/// Where the folder does not take the file, or something is at `path` that must not be replaced:
+/// a file unless `overwrite`, and anything that is not a regular file.
+pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: bool) -> Result<()> {
+    let target = resolve(path, overwrite)?;
+    let failed = |cause: std::io::Error| Error::write(path, cause);
+
+    let mut file = create_beside(&target).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    if let Ok(old) = fs::metadata(&target) {
+        file.as_file()
+            .set_permissions(old.permissions())
+            .map_err(failed)?;
+    }
+    file.as_file().sync_all().map_err(failed)?;
+    if overwrite {
+        file.persist(&target).map_err(|e| failed(e.error))?;
+    } else {
+        // The file may have come into being since `resolve` looked.
+        file.persist_noclobber(&target)
+            .map_err(|e| match e.error.kind() {
+                std::io::ErrorKind::AlreadyExists => exists(path),
+                _ => failed(e.error),
+            })?;
+    }
+    // The file is whole and in its place. Not every file system can flush a folder: that is no failure.
+    if cfg!(unix) {
+        let _ = File::open(folder(&target)).and_then(|folder| folder.sync_all());
+    }
+    Ok(())
+}
+
+/// Finds out before a long render whether [`write_atomically`] can succeed, and leaves nothing behind.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn check_writable(path: &Path, overwrite: bool) -> Result<()> {
+    let target = resolve(path, overwrite)?;
+    create_beside(&target).map_err(|cause| Error::write(path, cause))?;
+    Ok(())
+}
+
+/// Where `path` leads, once it is clear that it may be written.
+fn resolve(path: &Path, overwrite: bool) -> Result<PathBuf> {
+    if path.file_name().is_none() {
+        return Err(Error::write(path, "the path names no file"));
+    }
+    let folder = folder(path);
+    if !folder.is_dir() {
+        let what = if folder.exists() {
+            "is not a folder"
+        } else {
+            "does not exist"
+        };
+        return Err(Error::write(path, format!("`{}` {what}", folder.display()))
+            .help("create the folder or choose another one"));
+    }
+    let Ok(link) = fs::symlink_metadata(path) else {
+        return Ok(path.to_owned());
+    };
+    let target = if link.is_symlink() {
+        fs::canonicalize(path).map_err(|cause| {
+            Error::write(path, format!("it is a link that leads nowhere ({cause})"))
+                .help("remove the link or create what it points to")
+        })?
+    } else {
+        path.to_owned()
+    };
+    if !target.is_file() {
+        let what = if target.is_dir() {
+            "a folder"
+        } else {
+            "something that is not a regular file"
+        };
+        return Err(Error::write(path, format!("{what} has this name"))
+            .help("choose another name for the output"));
+    }
+    if overwrite {
+        Ok(target)
+    } else {
+        Err(exists(path))
+    }
+}
+
+fn exists(path: &Path) -> Error {
+    Error::write(path, "it exists already")
+        .help("pass --force to replace it, or choose another name")
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file in the folder of `target`, with the permissions of a file that anybody creates.
+fn create_beside(target: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".solidtrace-").suffix(".part");
+    if let Some(permissions) = ordinary_permissions() {
+        builder.permissions(permissions);
+    }
+    builder.tempfile_in(folder(target))
+}
+
+/// What a new file asks for, before the umask takes its share.
+fn ordinary_permissions() -> Option<Permissions> {
+    #[cfg(unix)]
+    return Some(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    #[cfg(not(unix))]
+    return None;
+}
