@@ -18,7 +18,9 @@ use crate::world::World;
 /// `tile_size`, which only say how the work is split.
 #[derive(Clone, Debug)]
 pub struct RenderSettings {
-    /// The pixels to render, inside of the camera's picture.
+    /// Width and height of the picture.
+    pub size: (u32, u32),
+    /// The pixels to render, inside of the picture; the others stay empty.
     pub area: Rect,
     /// Which samples of each pixel.
     pub samples: Range<u32>,
@@ -96,7 +98,7 @@ pub fn render(
         })?;
     let start = Instant::now();
     let mut rendered = Rendered {
-        film: Film::new(settings.area),
+        film: Film::new(Rect::of_size(settings.size)),
         rays: 0,
         time: Duration::ZERO,
         complete: true,

@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use crate::camera::Camera;
 use crate::color::Tonemap;
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::Rect;
+use crate::film::{PixelSum, Rect};
 use crate::image::Image;
 use crate::integrator::integrator;
-use crate::io::{WriteOptions, check_image_path, write_image};
+use crate::io::{Precision, WriteOptions, check_image_path, write_image};
 use crate::render::{RenderSettings, Rendered, render};
 use crate::sampling::SamplerKind;
 use crate::scene::{IntegratorSettings, Scene};
@@ -128,10 +128,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     progress.finish();
     report_bad(&rendered);
 
-    let mut image = rendered
-        .film
-        .to_image()
-        .placed(settings.area, scene.film.size);
+    let mut image = rendered.film.to_image();
     image.metadata = args.metadata(scene, &camera, &settings, &rendered);
     for path in &outputs {
         let shown = if is_png(path) {
@@ -142,7 +139,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
         let options = WriteOptions {
             overwrite: args.force,
             tonemap: scene.film.tonemap,
-            half: args.half,
+            precision: if args.half { Precision::Half } else { Precision::Float },
         };
         write_image(path, shown.as_ref().unwrap_or(&image), &options)?;
     }
@@ -241,6 +238,7 @@ impl RenderArgs {
         }
         let samples = self.samples.map_or(0..scene.film.spp, |(a, b)| a..b);
         Ok(RenderSettings {
+            size: scene.film.size,
             area,
             samples,
             filter: scene.film.filter,
@@ -267,8 +265,8 @@ impl RenderArgs {
             .file_name()
             .unwrap_or(input.as_os_str())
             .to_string_lossy();
-        let counts = rendered.film.pixels().iter().map(|p| p.count());
-        let spp = counts.clone().min().unwrap_or(0);
+        let counts = rendered.film.pixels().iter().map(PixelSum::count);
+        let spp = counts.max().unwrap_or(0);
         let mut metadata = vec![
             ("scene", file.into_owned()),
             ("camera", camera_text(camera)),

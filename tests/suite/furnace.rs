@@ -7,7 +7,8 @@ use solidtrace::material::{Fresnel, Surface};
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 
-use crate::support::{Build, SAMPLERS, Shot, box_mesh, camera, diffuse, empty_scene, shoot, sphere_mesh};
+use crate::support::meshes::{box_mesh, sphere_mesh};
+use crate::support::{Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot};
 
 const TOLERANCE: f32 = 0.005;
 

@@ -12,8 +12,9 @@ use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 use solidtrace::world::World;
 
+use crate::support::meshes::box_mesh;
 use crate::support::{
-    Build, SAMPLERS, Shot, box_mesh, camera, diffuse, empty_scene, shoot, shoot_with, statistics,
+    Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot, shoot_with, statistics,
 };
 
 /// A white floor at y = 0, seen at `x` through a pinhole so narrow that a picture is one point.

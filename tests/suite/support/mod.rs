@@ -1,6 +1,9 @@
 //! Scenes made in code, and renders of them, for the tests.
 
-use glam::{DAffine3, DVec3, Vec3};
+pub mod leaks;
+pub mod meshes;
+
+use glam::{DAffine3, DVec3};
 use solidtrace::camera::Camera;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::{Filter, Rect};
@@ -130,6 +133,7 @@ pub fn shoot(world: &World, shot: Shot) -> Vec<Rgb> {
 pub fn shoot_with(world: &World, integrator: &dyn Integrator, shot: Shot) -> Vec<Rgb> {
     let scene = world.scene();
     let settings = RenderSettings {
+        size: scene.film.size,
         area: Rect::of_size(scene.film.size),
         samples: 0..shot.spp,
         filter: scene.film.filter,
@@ -142,65 +146,6 @@ pub fn shoot_with(world: &World, integrator: &dyn Integrator, shot: Shot) -> Vec
     let rendered = render(world, &lens, integrator, &settings, &()).unwrap();
     assert_eq!(rendered.bad, [], "no sample may be anything but a finite number");
     rendered.film.pixels().iter().map(|p| p.mean()).collect()
-}
-
-/// An axis-aligned box of twelve triangles, outward.
-pub fn box_mesh(min: Vec3, max: Vec3) -> Mesh {
-    let corner = |i: usize| {
-        Vec3::new(
-            if i & 1 == 0 { min.x } else { max.x },
-            if i & 2 == 0 { min.y } else { max.y },
-            if i & 4 == 0 { min.z } else { max.z },
-        )
-    };
-    let quads = [
-        [0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6],
-    ];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh {
-        positions: (0..8).map(corner).collect(),
-        triangles,
-        ..Mesh::default()
-    }
-}
-
-/// A sphere of `rings` by `2 rings` quads around the origin, each vertex moved along its direction by
-/// `shape(direction)`; closed, outward, with smooth normals only if it is a true sphere.
-pub fn sphere_mesh(rings: u32, shape: impl Fn(Vec3) -> f32) -> Mesh {
-    let columns = 2 * rings;
-    let mut positions = vec![Vec3::Y * shape(Vec3::Y)];
-    for ring in 1..rings {
-        let theta = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
-        for column in 0..columns {
-            let phi = std::f64::consts::TAU * f64::from(column) / f64::from(columns);
-            let d = DVec3::new(
-                theta.sin() * phi.cos(),
-                theta.cos(),
-                -theta.sin() * phi.sin(),
-            )
-            .as_vec3();
-            positions.push(d * shape(d));
-        }
-    }
-    positions.push(Vec3::NEG_Y * shape(Vec3::NEG_Y));
-    let last = positions.len() as u32 - 1;
-    let at = |ring: u32, column: u32| 1 + (ring - 1) * columns + column % columns;
-    let mut triangles = Vec::new();
-    for column in 0..columns {
-        triangles.push([0, at(1, column), at(1, column + 1)]);
-        triangles.push([last, at(rings - 1, column + 1), at(rings - 1, column)]);
-        for ring in 1..rings - 1 {
-            let (a, b) = (at(ring, column), at(ring, column + 1));
-            let (c, d) = (at(ring + 1, column), at(ring + 1, column + 1));
-            triangles.push([a, c, d]);
-            triangles.push([a, d, b]);
-        }
-    }
-    Mesh {
-        positions,
-        triangles,
-        ..Mesh::default()
-    }
 }
 
 /// Mean and standard deviation.
