@@ -4,6 +4,8 @@ pub mod accel;
 pub mod bsdf;
 pub mod camera;
 pub mod color;
+#[cfg(feature = "embree")]
+pub mod embree;
 pub mod error;
 pub mod film;
 pub mod geometry;
