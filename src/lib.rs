@@ -5,6 +5,8 @@ pub mod bsdf;
 pub mod camera;
 pub mod cli;
 pub mod color;
+#[cfg(feature = "embree")]
+pub mod embree;
 pub mod error;
 pub mod film;
 pub mod geometry;
