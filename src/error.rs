@@ -60,6 +60,24 @@ impl Place {
         }
     }
 
+    /// The place `offset` bytes into `text`, the content of `file`.
+    pub fn in_text(file: impl AsRef<Path>, text: &str, offset: usize) -> Self {
+        let mut offset = offset.min(text.len());
+        while !text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let before = &text[..offset];
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.matches('\n').count() + 1;
+        let column = before[start..].chars().count() + 1;
+        Self::column(
+            file,
+            line,
+            column,
+            text[start..].lines().next().unwrap_or(""),
+        )
+    }
+
     /// A JSON pointer or field path inside a file.
     pub fn pointer(file: impl AsRef<Path>, pointer: impl Into<String>) -> Self {
         Self {
@@ -178,6 +196,11 @@ impl Error {
         &self.0.message
     }
 
+    /// What to do, if known.
+    pub fn remedy(&self) -> Option<&str> {
+        self.0.help.as_deref()
+    }
+
     /// Where, if known.
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()
@@ -198,3 +221,18 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// Help for a name that is not among `known`: the most similar one, or else all of them.
+pub fn did_you_mean<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    let distance = |name: &str| strsim::osa_distance(&found.to_lowercase(), &name.to_lowercase());
+    let nearest = (known.iter()).min_by_key(|name| distance(name));
+    match nearest {
+        Some(name) if distance(name) <= (name.chars().count() / 3).max(1).min(name.len() - 1) => {
+            format!("did you mean `{name}`?")
+        }
+        Some(_) if known.len() <= 24 => format!("known here: {}", known.join(", ")),
+        Some(_) => format!("{} names are known here, none of them similar", known.len()),
+        None => "none is defined here".to_owned(),
+    }
+}

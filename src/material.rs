@@ -20,6 +20,19 @@ pub struct Material {
     pub emission: Rgb,
 }
 
+impl Default for Material {
+    /// What an object without a material gets: matt, middle grey.
+    fn default() -> Self {
+        Self {
+            name: "default".to_owned(),
+            surface: Surface::Diffuse {
+                color: Texture::Constant(Rgb::splat(0.7)),
+            },
+            emission: Rgb::ZERO,
+        }
+    }
+}
+
 /// How a surface scatters light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {

@@ -61,6 +61,11 @@ impl Transform {
         self.forward == DAffine3::IDENTITY
     }
 
+    /// Whether all numbers of it and of its inverse are finite; [`Transform::after`] can overflow.
+    pub fn is_finite(&self) -> bool {
+        self.forward.is_finite() && self.inverse.is_finite()
+    }
+
     /// Maps a point.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.forward.transform_point3(p)

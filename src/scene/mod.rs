@@ -15,13 +15,13 @@ use crate::material::{Material, MaterialId};
 use crate::math::Transform;
 
 /// A scene with every file read and every name resolved to an index.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Size, sample count, filter and curve of the picture.
     pub film: FilmSettings,
     /// How light is transported.
     pub integrator: IntegratorSettings,
-    /// At least one; the first is used unless another is asked for by name.
+    /// At least one once loaded; the first is used unless another is asked for by name.
     pub cameras: Vec<Camera>,
     /// Radiance that comes from every direction in which a ray meets nothing.
     pub environment: Rgb,
@@ -72,6 +72,17 @@ pub struct FilmSettings {
     pub tonemap: Tonemap,
 }
 
+impl Default for FilmSettings {
+    fn default() -> Self {
+        Self {
+            size: (1280, 720),
+            spp: 256,
+            filter: Filter::Gaussian { radius: 1.5 },
+            tonemap: Tonemap::Srgb,
+        }
+    }
+}
+
 /// Which integrator, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum IntegratorSettings {
@@ -102,6 +113,12 @@ pub enum IntegratorSettings {
         /// How far away an occluder counts; `None` is any distance.
         radius: Option<f64>,
     },
+}
+
+impl Default for IntegratorSettings {
+    fn default() -> Self {
+        Self::path()
+    }
 }
 
 impl IntegratorSettings {

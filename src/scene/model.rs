@@ -1,8 +1,10 @@
 use crate::camera::Camera;
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, MeshId, Shape};
 use crate::light::PointLight;
-use crate::material::Material;
+use crate::material::{Material, MaterialId};
 use crate::math::Transform;
+
+use super::{Instance, Scene};
 
 /// What a model file (OBJ, glTF, ...) holds, before it is placed in a scene.
 #[derive(Clone, Debug, Default)]
@@ -32,4 +34,47 @@ pub struct Part {
     pub materials: Vec<Option<usize>>,
     /// From the mesh to the model's space.
     pub model_from_mesh: Transform,
+}
+
+impl Scene {
+    /// Takes over a model's meshes, materials and warnings. Returns its parts as instances in the model's
+    /// space, which are not yet in the scene; its cameras and lights are left out.
+    pub fn adopt(&mut self, model: Model) -> Vec<Instance> {
+        let first_mesh = self.meshes.len();
+        let first_material = self.materials.len();
+        self.meshes.extend(model.meshes);
+        self.materials.extend(model.materials);
+        self.warnings.extend(model.warnings);
+        let mut instances = Vec::with_capacity(model.parts.len());
+        for part in model.parts {
+            let slots = part.materials.into_iter();
+            let mut materials: Vec<MaterialId> = slots
+                .map(|slot| match slot {
+                    Some(i) => MaterialId((first_material + i) as u32),
+                    None => self.default_material(),
+                })
+                .collect();
+            if materials.is_empty() {
+                materials.push(self.default_material());
+            }
+            instances.push(Instance {
+                name: part.name,
+                shape: Shape::Mesh(MeshId((first_mesh + part.mesh) as u32)),
+                materials,
+                world_from_object: part.model_from_mesh,
+                smooth: true,
+            });
+        }
+        instances
+    }
+
+    /// The material of what has none.
+    pub fn default_material(&mut self) -> MaterialId {
+        let default = Material::default();
+        let known = self.materials.iter().position(|m| *m == default);
+        MaterialId(known.unwrap_or_else(|| {
+            self.materials.push(default);
+            self.materials.len() - 1
+        }) as u32)
+    }
 }

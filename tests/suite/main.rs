@@ -2,6 +2,7 @@
 
 mod accel;
 mod embree;
+mod bare_model;
 mod film;
 mod furnace;
 mod layering;
@@ -10,3 +11,5 @@ mod output;
 mod random;
 mod support;
 mod watertight;
+mod scene_errors;
+mod scene_file;

@@ -1,0 +1,148 @@
+//! Scene files: RON, or the same model as JSON.
+//!
+//! The file becomes a tree whose nodes know their places, and the tree becomes a [`SceneDescription`], each value
+//! checked where it is read, so that every error can point at what it is about.
+
+mod fields;
+mod materials;
+mod objects;
+mod tree;
+mod values;
+mod view;
+
+use std::path::Path;
+
+use serde::de::IgnoredAny;
+
+use crate::error::{Error, Place, Result};
+use crate::scene::SceneDescription;
+use crate::scene::description::Source;
+
+use self::fields::{Fields, named};
+use self::tree::{Fault, Node};
+use super::read_file;
+
+impl SceneDescription {
+    /// Reads and checks a scene file: `.json` is JSON, all else RON. Files that it names are not touched.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or with the line and column of the first value that is wrong.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let bytes = read_file(path)?;
+        match std::str::from_utf8(&bytes) {
+            Ok(text) => Self::from_text(path, text),
+            Err(e) => {
+                let valid = e.valid_up_to();
+                let text = String::from_utf8_lossy(&bytes);
+                Err(
+                    Error::input(format!("the byte 0x{:02x} is not UTF-8", bytes[valid]))
+                        .at(Place::in_text(path, &text, valid))
+                        .help("save the file as UTF-8"),
+                )
+            }
+        }
+    }
+
+    /// As [`SceneDescription::read`], with the content of `file` given: its extension says which format it is, and
+    /// what the scene refers to is found relative to its folder.
+    ///
+    /// # Errors
+    /// With the line and column of the first value that is wrong.
+    pub fn from_text(file: impl AsRef<Path>, text: &str) -> Result<Self> {
+        let source = Source {
+            file: file.as_ref().to_owned(),
+            text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
+        };
+        let json = (source.file.extension()).is_some_and(|e| e.eq_ignore_ascii_case("json"));
+        let description = tree::parse(&source.text).and_then(|root| {
+            conforms(&source.text, json)?;
+            scene(&root)
+        });
+        match description {
+            Ok(description) => Ok(Self {
+                source,
+                ..description
+            }),
+            Err(fault) => {
+                let error = Error::input(fault.message).at(source.place(fault.offset));
+                Err(match fault.help {
+                    Some(help) => error.help(help),
+                    None => error,
+                })
+            }
+        }
+    }
+}
+
+fn scene(root: &Node) -> tree::Result<SceneDescription> {
+    let mut f = Fields::of(root, "Scene")?;
+    let default = SceneDescription::default();
+    let film = f.or("film", default.film, view::film)?;
+    let integrator = f.or("integrator", default.integrator, view::integrator)?;
+    let environment = f.or("environment", default.environment, view::environment)?;
+    let mut cameras = Vec::new();
+    cameras.extend(f.optional("camera", |node| view::camera(node, None))?);
+    cameras.extend(f.or("cameras", Vec::new(), |node| {
+        named(node, |name, node| view::camera(node, Some(&name.text)))
+    })?);
+    if cameras.is_empty() {
+        // Not there, or misspelt: this says which.
+        f.required("camera", |node| view::camera(node, None))?;
+    }
+    let lights = f.or("lights", Vec::new(), |node| {
+        node.items()?.iter().map(view::light).collect()
+    })?;
+    let materials = f.or("materials", Vec::new(), |node| {
+        named(node, |name, node| materials::material(node, &name.text))
+    })?;
+    let definitions = f.or("definitions", Vec::new(), |node| {
+        named(node, |name, node| {
+            Ok((name.text.clone().into_owned(), objects::object(node)?))
+        })
+    })?;
+    let objects = f.required("objects", |node| {
+        node.items()?.iter().map(objects::object).collect()
+    })?;
+    f.finish()?;
+    Ok(SceneDescription {
+        film,
+        integrator,
+        cameras,
+        environment,
+        lights,
+        materials,
+        objects,
+        definitions,
+        ..default
+    })
+}
+
+/// Whether other readers of the format take the text as well: what the tree's parser tolerates beyond it is refused.
+fn conforms(text: &str, json: bool) -> tree::Result<()> {
+    let line_start = |line: usize| -> usize {
+        let lines = text.split_inclusive('\n').map(str::len);
+        lines.take(line.saturating_sub(1)).sum()
+    };
+    if json {
+        return serde_json::from_str::<IgnoredAny>(text)
+            .map(drop)
+            .map_err(|e| {
+                let offset = line_start(e.line()) + e.column().saturating_sub(1);
+                let message = e.to_string();
+                let message = message.split(" at line ").next().unwrap_or_default();
+                Fault::new(offset, format!("not valid JSON: {message}"))
+            });
+    }
+    // The depth of the tree is limited already.
+    let options = ron::Options::default().without_recursion_limit();
+    options.from_str::<IgnoredAny>(text).map(drop).map_err(|e| {
+        let start = line_start(e.span.end.line);
+        let column = e.span.end.col.saturating_sub(1);
+        let offset = text[start..]
+            .char_indices()
+            .nth(column)
+            .map_or(text.len(), |(i, _)| start + i);
+        Fault::new(offset, format!("not valid RON: {}", e.code))
+    })
+}

@@ -1,0 +1,1 @@
+//! A model without a scene is stood up, framed and lit.
