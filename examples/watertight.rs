@@ -5,10 +5,10 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-#[path = "../tests/suite/support/meshes.rs"]
-mod meshes;
 #[path = "../tests/suite/support/leaks.rs"]
 mod leaks;
+#[path = "../tests/suite/support/meshes.rs"]
+mod meshes;
 
 fn main() -> ExitCode {
     let rays: u64 = match std::env::args().skip(1).collect::<Vec<_>>().as_slice() {

@@ -139,7 +139,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
         let options = WriteOptions {
             overwrite: args.force,
             tonemap: scene.film.tonemap,
-            precision: if args.half { Precision::Half } else { Precision::Float },
+            precision: if args.half {
+                Precision::Half
+            } else {
+                Precision::Float
+            },
         };
         write_image(path, shown.as_ref().unwrap_or(&image), &options)?;
     }

@@ -33,7 +33,9 @@ impl RayReader {
         let names = REQUIRED.into_iter().chain(["tmin", "tmax"]);
         let mut columns = [None; 8];
         for (column, name) in columns.iter_mut().zip(names) {
-            *column = header.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
+            *column = header
+                .iter()
+                .position(|h| h.trim_start_matches('\u{feff}') == name);
             if column.is_none() && REQUIRED.contains(&name) {
                 let found = header.iter().collect::<Vec<_>>().join(",");
                 return Err(Error::input(format!("there is no column `{name}` in `{found}`"))
@@ -184,7 +186,13 @@ pub fn write_hits(out: &mut dyn Write, hits: &[Option<HitRecord>]) -> Result<()>
 /// Where `out` does not take them.
 pub fn write_blocked(out: &mut dyn Write, blocked: &[bool]) -> Result<()> {
     let lines: String = (blocked.iter())
-        .map(|&b| if b { "1,,,,,,,,,,,,\n" } else { "0,,,,,,,,,,,,\n" })
+        .map(|&b| {
+            if b {
+                "1,,,,,,,,,,,,\n"
+            } else {
+                "0,,,,,,,,,,,,\n"
+            }
+        })
         .collect();
     out.write_all(lines.as_bytes()).map_err(|e| not_written(&e))
 }

@@ -42,7 +42,10 @@ fn crowd(rng: &mut Pcg64Mcg) -> (Vec<Mesh>, Vec<Placed>) {
     ];
     let mut crowd: Vec<Placed> = (0..60)
         .map(|i| {
-            let turn = DMat3::from_quat(DQuat::from_axis_angle(random_direction(rng), rng.random_range(0.0..6.0)));
+            let turn = DMat3::from_quat(DQuat::from_axis_angle(
+                random_direction(rng),
+                rng.random_range(0.0..6.0),
+            ));
             let mut squash = DMat3::from_diagonal(DVec3::new(
                 rng.random_range(0.1..1.5),
                 rng.random_range(0.1..1.5),
@@ -53,7 +56,10 @@ fn crowd(rng: &mut Pcg64Mcg) -> (Vec<Mesh>, Vec<Placed>) {
             let shape = match i % 5 {
                 0..3 => Shape::Mesh(MeshId(i % 5)),
                 3 => Shape::Solid(Solid::Sphere { radius: 1.0 }),
-                _ => Shape::Solid(Solid::Cylinder { radius: 0.5, height: 1.0 }),
+                _ => Shape::Solid(Solid::Cylinder {
+                    radius: 0.5,
+                    height: 1.0,
+                }),
             };
             placed(shape, DAffine3::from_mat3_translation(turn * squash, at))
         })
@@ -103,7 +109,11 @@ fn closest_and_any_hit_equal_brute_force_over_everything() {
         assert_eq!(accel.occluded(&ray), nearest.is_finite(), "{ray:?}");
         if let Some(hit) = hit {
             hits += 1;
-            assert!((hit.t - nearest).abs() <= 1e-10 * nearest.max(1.0), "{} {nearest}", hit.t);
+            assert!(
+                (hit.t - nearest).abs() <= 1e-10 * nearest.max(1.0),
+                "{} {nearest}",
+                hit.t
+            );
         }
     }
     assert!(hits > 5000, "{hits}");
@@ -137,9 +147,16 @@ fn degenerate_and_duplicate_triangles_are_counted_and_ids_stay() {
     mesh.triangles.extend(&whole);
     let ([a, b, c], [d, e, f]) = (whole[0], whole[1]);
     mesh.triangles.extend([[b, c, a], [e, d, f]]);
-    let accel = Accel::build(&[mesh], vec![placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY)]).unwrap();
+    let accel = Accel::build(
+        &[mesh],
+        vec![placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY)],
+    )
+    .unwrap();
     let report = accel.mesh_reports().next().unwrap();
-    assert_eq!((report.triangles, report.degenerate, report.duplicate), (12, 2, 2));
+    assert_eq!(
+        (report.triangles, report.degenerate, report.duplicate),
+        (12, 2, 2)
+    );
     assert_eq!(accel.dropped(MeshId(0)), [0, 1, 14, 15]);
     let mut seen = [false; 16];
     for i in 0..4000 {
@@ -147,14 +164,22 @@ fn degenerate_and_duplicate_triangles_are_counted_and_ids_stay() {
         let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / 4000.0;
         let r = (1.0 - z * z).sqrt();
         let direction = DVec3::new(r * angle.cos(), r * angle.sin(), z);
-        seen[accel.intersect(&Ray::new(DVec3::ZERO, direction)).unwrap().primitive as usize] = true;
+        seen[accel
+            .intersect(&Ray::new(DVec3::ZERO, direction))
+            .unwrap()
+            .primitive as usize] = true;
     }
     assert!(seen[2..14].iter().all(|s| *s) && !seen[0] && !seen[1] && !seen[14] && !seen[15]);
 }
 
 #[test]
 fn meshes_that_cannot_be_traced_are_errors() {
-    let build = |mesh: Mesh| Accel::build(&[mesh], vec![]).unwrap_err().message().to_owned();
+    let build = |mesh: Mesh| {
+        Accel::build(&[mesh], vec![])
+            .unwrap_err()
+            .message()
+            .to_owned()
+    };
     let flat = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, 2.0 * Vec3::X],
         triangles: vec![[0, 1, 2]],

@@ -15,7 +15,17 @@ const TOLERANCE: f32 = 0.005;
 fn assert_one(scene: Scene, what: &str, spp: u32) {
     let world = scene.world();
     for sampler in SAMPLERS {
-        for (i, pixel) in shoot(&world, Shot { spp, sampler, seed: 1 }).iter().enumerate() {
+        for (i, pixel) in shoot(
+            &world,
+            Shot {
+                spp,
+                sampler,
+                seed: 1,
+            },
+        )
+        .iter()
+        .enumerate()
+        {
             assert!(
                 (*pixel - Rgb::ONE).abs().max_element() <= TOLERANCE,
                 "{what}, {sampler:?}: pixel {i} is {pixel}"
@@ -32,7 +42,11 @@ fn materials() -> Vec<(&'static str, Surface)> {
         (
             "checker",
             Surface::Diffuse {
-                color: Texture::Checker { a: Rgb::ONE, b: Rgb::ONE, step: 0.3 },
+                color: Texture::Checker {
+                    a: Rgb::ONE,
+                    b: Rgb::ONE,
+                    step: 0.3,
+                },
             },
         ),
     ];
@@ -57,10 +71,22 @@ fn smooth_sphere() -> Mesh {
 fn white_solids_vanish_in_a_white_environment() {
     let solids = [
         Solid::Sphere { radius: 1.0 },
-        Solid::Box { half: DVec3::new(0.9, 0.7, 0.8) },
-        Solid::Cylinder { radius: 0.7, height: 1.2 },
-        Solid::Cone { from_radius: 0.9, to_radius: 0.2, height: 1.3 },
-        Solid::Torus { major: 0.8, minor: 0.3 },
+        Solid::Box {
+            half: DVec3::new(0.9, 0.7, 0.8),
+        },
+        Solid::Cylinder {
+            radius: 0.7,
+            height: 1.2,
+        },
+        Solid::Cone {
+            from_radius: 0.9,
+            to_radius: 0.2,
+            height: 1.3,
+        },
+        Solid::Torus {
+            major: 0.8,
+            minor: 0.3,
+        },
     ];
     for (name, surface) in materials() {
         for solid in solids {
@@ -120,7 +146,14 @@ fn the_depth_limit_cuts_the_series_where_it_says() {
             russian_roulette: false,
         };
         let expected = 1.0 - 0.5_f32.powi(depth as i32 + 1);
-        for pixel in shoot(&scene.world(), Shot { spp: 4, sampler: SAMPLERS[0], seed: 0 }) {
+        for pixel in shoot(
+            &scene.world(),
+            Shot {
+                spp: 4,
+                sampler: SAMPLERS[0],
+                seed: 0,
+            },
+        ) {
             assert!((pixel.x - expected).abs() < 1e-5, "depth {depth}: {pixel}");
         }
     }
@@ -134,7 +167,14 @@ fn russian_roulette_does_not_change_the_mean() {
         max_depth: None,
         russian_roulette: true,
     };
-    let pixels = shoot(&scene.world(), Shot { spp: 1024, sampler: SAMPLERS[1], seed: 3 });
+    let pixels = shoot(
+        &scene.world(),
+        Shot {
+            spp: 1024,
+            sampler: SAMPLERS[1],
+            seed: 3,
+        },
+    );
     let mean = pixels.iter().map(|p| f64::from(p.x)).sum::<f64>() / pixels.len() as f64;
     // A sample's deviation is below 0.25 here, so the mean of 2^18 deviates by less than 0.0005.
     assert!((mean - 1.0).abs() < 0.002, "{mean}");

@@ -5,8 +5,24 @@ use std::path::{Path, PathBuf};
 
 /// Ground floor first; a room may use those before it.
 const ROOMS: [&str; 18] = [
-    "error", "math", "color", "image", "sampling", "geometry", "accel", "texture", "material", "bsdf",
-    "light", "camera", "film", "scene", "io", "world", "integrator", "render",
+    "error",
+    "math",
+    "color",
+    "image",
+    "sampling",
+    "geometry",
+    "accel",
+    "texture",
+    "material",
+    "bsdf",
+    "light",
+    "camera",
+    "film",
+    "scene",
+    "io",
+    "world",
+    "integrator",
+    "render",
 ];
 
 /// Above all rooms.
@@ -37,7 +53,11 @@ fn sources() -> Vec<(PathBuf, String, String)> {
         let room = first.to_str().unwrap().trim_end_matches(".rs").to_owned();
         let text = fs::read_to_string(&path).unwrap();
         let code = |line: &str| line.split("//").next().unwrap_or("").to_owned();
-        (path, room, text.lines().map(code).collect::<Vec<_>>().join("\n"))
+        (
+            path,
+            room,
+            text.lines().map(code).collect::<Vec<_>>().join("\n"),
+        )
     };
     found.into_iter().map(read).collect()
 }
@@ -102,7 +122,10 @@ fn imports_point_to_lower_rooms_only() {
             );
         }
     }
-    assert!(seen > 100, "only {seen} imports found: is the search broken?");
+    assert!(
+        seen > 100,
+        "only {seen} imports found: is the search broken?"
+    );
 }
 
 #[test]
@@ -115,7 +138,13 @@ fn grouped_imports_are_seen() {
 fn obvhs_and_unsafe_code_stay_in_their_rooms() {
     for (path, room, code) in sources() {
         let name = path.display();
-        assert!(room == "accel" || !code.contains("obvhs::"), "{name} names obvhs");
-        assert!(room == "embree" || !code.contains("unsafe "), "{name} is unsafe");
+        assert!(
+            room == "accel" || !code.contains("obvhs::"),
+            "{name} names obvhs"
+        );
+        assert!(
+            room == "embree" || !code.contains("unsafe "),
+            "{name} is unsafe"
+        );
     }
 }

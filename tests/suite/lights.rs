@@ -39,10 +39,20 @@ fn floor(x: f64) -> Scene {
 fn assert_irradiance(scene: Scene, expected: f64, what: &str) {
     let world = scene.world();
     for sampler in SAMPLERS {
-        let pixels = shoot(&world, Shot { spp: 1 << 14, sampler, seed: 7 });
+        let pixels = shoot(
+            &world,
+            Shot {
+                spp: 1 << 14,
+                sampler,
+                seed: 7,
+            },
+        );
         let mean = pixels.iter().map(|p| f64::from(p.y)).sum::<f64>() / pixels.len() as f64;
         let ratio = mean * PI / expected;
-        assert!((ratio - 1.0).abs() < 0.005, "{what}, {sampler:?}: {ratio} of the closed form");
+        assert!(
+            (ratio - 1.0).abs() < 0.005,
+            "{what}, {sampler:?}: {ratio} of the closed form"
+        );
     }
 }
 
@@ -87,7 +97,12 @@ fn irradiance_under_a_rectangle_is_pi_radiance_times_the_view_factor() {
         let lamp = scene.material(diffuse(0.0), 2.0);
         let corner = |x: f32, z: f32| Vec3::new(x, 1.2, z);
         let mesh = Mesh {
-            positions: vec![corner(-1.0, -0.5), corner(2.0, -0.5), corner(2.0, 1.5), corner(-1.0, 1.5)],
+            positions: vec![
+                corner(-1.0, -0.5),
+                corner(2.0, -0.5),
+                corner(2.0, 1.5),
+                corner(-1.0, 1.5),
+            ],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
@@ -124,7 +139,11 @@ impl Integrator for UniformHemisphere {
                     panic!("diffuse surfaces only");
                 };
                 let wo = -ray.direction.as_vec3();
-                let n = if wo.dot(point.ng) < 0.0 { -point.ng } else { point.ng };
+                let n = if wo.dot(point.ng) < 0.0 {
+                    -point.ng
+                } else {
+                    point.ng
+                };
                 let [u, v, ..] = camera.sampler.set(depth + 1);
                 let d = uniform_sphere(Vec2::new(u, v));
                 let wi = if d.dot(n) < 0.0 { -d } else { d };
@@ -147,9 +166,15 @@ fn room() -> Scene {
     let white = scene.material(diffuse(0.7), 0.0);
     let lamp = scene.material(diffuse(0.0), 20.0);
     scene.solid(Solid::Sphere { radius: 10.0 }, white, DVec3::ZERO);
-    scene.solid(Solid::Sphere { radius: 3.0 }, lamp, DVec3::new(-10.0, 20.0, 20.0));
     scene.solid(
-        Solid::Box { half: DVec3::new(40.0, 25.0, 60.0) },
+        Solid::Sphere { radius: 3.0 },
+        lamp,
+        DVec3::new(-10.0, 20.0, 20.0),
+    );
+    scene.solid(
+        Solid::Box {
+            half: DVec3::new(40.0, 25.0, 60.0),
+        },
         white,
         DVec3::new(0.0, 15.0, 0.0),
     );
@@ -195,10 +220,16 @@ fn a_sphere_light_has_a_twentieth_of_the_variance_of_hemisphere_sampling_and_its
     };
     let (mean, variance) = of_pixels(&renders(false));
     let (plain_mean, plain_variance) = of_pixels(&renders(true));
-    println!("variance {variance:.3e} against {plain_variance:.3e}: 1/{:.0}", plain_variance / variance);
+    println!(
+        "variance {variance:.3e} against {plain_variance:.3e}: 1/{:.0}",
+        plain_variance / variance
+    );
     assert!(variance < plain_variance / 20.0);
     let error = ((variance + plain_variance) / (runs as f64 * 144.0)).sqrt();
-    assert!((mean - plain_mean).abs() < 4.0 * error, "{mean} against {plain_mean} ± {error}");
+    assert!(
+        (mean - plain_mean).abs() < 4.0 * error,
+        "{mean} against {plain_mean} ± {error}"
+    );
 }
 
 /// Glass, a mirror, emitting meshes and spheres, an environment: everything at once.
@@ -209,16 +240,45 @@ fn mixed() -> Scene {
     scene.environment = Rgb::new(0.1, 0.2, 0.3);
     let white = scene.material(diffuse(0.8), 0.0);
     let lamp = scene.material(diffuse(0.3), 4.0);
-    let glass = scene.material(Surface::Dielectric { ior: 1.5, fresnel: Fresnel::Exact }, 0.0);
-    let mirror = scene.material(
-        Surface::Mirror { color: Texture::Constant(Rgb::splat(0.9)) },
+    let glass = scene.material(
+        Surface::Dielectric {
+            ior: 1.5,
+            fresnel: Fresnel::Exact,
+        },
         0.0,
     );
-    scene.solid(Solid::Box { half: DVec3::new(5.0, 0.5, 5.0) }, white, DVec3::NEG_Y * 0.5);
-    scene.solid(Solid::Sphere { radius: 0.7 }, mirror, DVec3::new(-1.4, 0.7, 0.0));
-    scene.solid(Solid::Sphere { radius: 0.6 }, glass, DVec3::new(0.2, 0.6, 1.0));
-    scene.solid(Solid::Sphere { radius: 0.4 }, lamp, DVec3::new(1.6, 1.2, -0.5));
-    scene.mesh(box_mesh(Vec3::new(-0.5, 2.4, -0.5), Vec3::new(0.8, 2.5, 0.6)), lamp);
+    let mirror = scene.material(
+        Surface::Mirror {
+            color: Texture::Constant(Rgb::splat(0.9)),
+        },
+        0.0,
+    );
+    scene.solid(
+        Solid::Box {
+            half: DVec3::new(5.0, 0.5, 5.0),
+        },
+        white,
+        DVec3::NEG_Y * 0.5,
+    );
+    scene.solid(
+        Solid::Sphere { radius: 0.7 },
+        mirror,
+        DVec3::new(-1.4, 0.7, 0.0),
+    );
+    scene.solid(
+        Solid::Sphere { radius: 0.6 },
+        glass,
+        DVec3::new(0.2, 0.6, 1.0),
+    );
+    scene.solid(
+        Solid::Sphere { radius: 0.4 },
+        lamp,
+        DVec3::new(1.6, 1.2, -0.5),
+    );
+    scene.mesh(
+        box_mesh(Vec3::new(-0.5, 2.4, -0.5), Vec3::new(0.8, 2.5, 0.6)),
+        lamp,
+    );
     scene
 }
 
@@ -262,8 +322,16 @@ fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
     let shots = |plain: bool| -> Vec<Vec<Rgb>> {
         (0..16)
             .map(|seed| {
-                let shot = Shot { spp: 256, sampler: SamplerKind::Independent, seed };
-                if plain { shoot_with(&world, &BsdfOnly, shot) } else { shoot(&world, shot) }
+                let shot = Shot {
+                    spp: 256,
+                    sampler: SamplerKind::Independent,
+                    seed,
+                };
+                if plain {
+                    shoot_with(&world, &BsdfOnly, shot)
+                } else {
+                    shoot(&world, shot)
+                }
             })
             .collect()
     };

@@ -1,15 +1,17 @@
 //! The one test binary: a module for each thing that must hold.
 
+#![allow(unreachable_pub)] // Everything in a test binary is private to it.
 mod accel;
-mod embree;
 mod bare_model;
+mod embree;
 mod film;
 mod furnace;
 mod layering;
 mod lights;
 mod output;
 mod random;
-mod support;
-mod watertight;
 mod scene_errors;
 mod scene_file;
+mod solids;
+mod support;
+mod watertight;

@@ -93,7 +93,9 @@ fn loaded() -> Scene {
 
 /// Where an instance puts a point of its canonical solid.
 fn placed(scene: &Scene, instance: usize, p: [f64; 3]) -> DVec3 {
-    scene.instances[instance].world_from_object.point(DVec3::from(p))
+    scene.instances[instance]
+        .world_from_object
+        .point(DVec3::from(p))
 }
 
 fn assert_near(a: DVec3, b: [f64; 3]) {
@@ -117,7 +119,10 @@ fn both_texts_are_what_other_readers_take() {
 #[test]
 fn a_byte_order_mark_and_windows_line_ends_change_nothing() {
     let text = format!("\u{feff}{}", RON.replace('\n', "\r\n"));
-    assert_eq!(SceneDescription::from_text("all.ron", &text).unwrap(), description());
+    assert_eq!(
+        SceneDescription::from_text("all.ron", &text).unwrap(),
+        description()
+    );
 }
 
 #[test]
@@ -167,7 +172,9 @@ fn integrators_take_their_settings() {
         let text = format!(
             "(camera: Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45), objects: [], integrator: {integrator})"
         );
-        SceneDescription::from_text("a.ron", &text).unwrap().integrator
+        SceneDescription::from_text("a.ron", &text)
+            .unwrap()
+            .integrator
     };
     let whitted = IntegratorSettings::Whitted {
         max_depth: 100,
@@ -182,7 +189,10 @@ fn integrators_take_their_settings() {
     assert_eq!(read("Flat"), IntegratorSettings::Flat);
     assert_eq!(read("Depth"), IntegratorSettings::Depth);
     assert_eq!(read("Ao"), IntegratorSettings::Ao { radius: None });
-    assert_eq!(read("Ao(radius: 2)"), IntegratorSettings::Ao { radius: Some(2.0) });
+    assert_eq!(
+        read("Ao(radius: 2)"),
+        IntegratorSettings::Ao { radius: Some(2.0) }
+    );
 }
 
 #[test]
@@ -267,7 +277,10 @@ fn an_instance_of_an_instance_joins_transforms_names_and_materials() {
 #[test]
 fn escapes_mean_what_the_formats_say() {
     let named = |file: &str, camera: &str| {
-        SceneDescription::from_text(file, camera).unwrap().cameras[0].name.clone().unwrap()
+        SceneDescription::from_text(file, camera).unwrap().cameras[0]
+            .name
+            .clone()
+            .unwrap()
     };
     let ron = r##"(cameras: {"a\u{1F600}\x41\n\\": Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45)}, objects: [])"##;
     assert_eq!(named("a.ron", ron), "a\u{1F600}A\n\\");

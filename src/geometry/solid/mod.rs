@@ -1,8 +1,21 @@
 //! Exact analytic solids in f64, each in a canonical position; a transform places it in the world.
 
+mod cuboid;
+mod frustum;
+mod plane;
+mod sphere;
+mod torus;
+
+use std::f64::consts::TAU;
+
 use glam::{DVec2, DVec3};
 
 use crate::math::{Bounds, Ray};
+use cuboid::Cuboid;
+use frustum::Frustum;
+use plane::Plane;
+use sphere::Sphere;
+use torus::Torus;
 
 /// A closed solid, or the half-space of a plane, in its canonical position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,43 +84,139 @@ impl Spans {
     pub fn iter(&self) -> impl Iterator<Item = &Span> {
         self.0.iter().flatten()
     }
+
+    /// Adds the next span; where rounding let it touch the one before, the two become one.
+    fn push(&mut self, span: Span) {
+        match &mut self.0 {
+            [Some(last), _] if last.exit.t >= span.enter.t => last.exit = span.exit,
+            [Some(_), second] => *second = Some(span),
+            [first, _] => *first = Some(span),
+        }
+    }
+}
+
+impl From<Option<Span>> for Spans {
+    fn from(span: Option<Span>) -> Self {
+        Self([span, None])
+    }
+}
+
+impl Span {
+    /// From the parameters and faces of both ends.
+    fn new((enter, enter_face): (f64, u32), (exit, exit_face): (f64, u32)) -> Self {
+        Self {
+            enter: Crossing {
+                t: enter,
+                face: enter_face,
+            },
+            exit: Crossing {
+                t: exit,
+                face: exit_face,
+            },
+        }
+    }
+}
+
+/// Calls a method of the solid's own type.
+macro_rules! dispatch {
+    ($solid:expr, $shape:ident => $call:expr) => {
+        match *$solid {
+            Solid::Sphere { radius } => {
+                let $shape = Sphere { radius };
+                $call
+            }
+            Solid::Box { half } => {
+                let $shape = Cuboid { half };
+                $call
+            }
+            Solid::Cylinder { radius, height } => {
+                let $shape = Frustum {
+                    from_radius: radius,
+                    to_radius: radius,
+                    height,
+                };
+                $call
+            }
+            Solid::Cone {
+                from_radius,
+                to_radius,
+                height,
+            } => {
+                let $shape = Frustum {
+                    from_radius,
+                    to_radius,
+                    height,
+                };
+                $call
+            }
+            Solid::Torus { major, minor } => {
+                let $shape = Torus { major, minor };
+                $call
+            }
+            Solid::Plane => {
+                let $shape = Plane;
+                $call
+            }
+        }
+    };
 }
 
 impl Solid {
     /// All spans of the whole line of `ray` (its `tmin` and `tmax` play no part).
-    pub fn spans(&self, _ray: &Ray) -> Spans {
-        todo!()
+    pub fn spans(&self, ray: &Ray) -> Spans {
+        dispatch!(self, shape => shape.spans(ray).into())
     }
 
     /// The first crossing with `tmin < t < tmax`.
     pub fn closest(&self, ray: &Ray) -> Option<Crossing> {
-        (self.spans(ray).iter())
-            .flat_map(|span| [span.enter, span.exit])
-            .find(|c| c.t > ray.tmin && c.t < ray.tmax)
+        for span in self.spans(ray).iter() {
+            for crossing in [span.enter, span.exit] {
+                if crossing.t > ray.tmin && crossing.t < ray.tmax {
+                    return Some(crossing);
+                }
+            }
+        }
+        None
     }
 
     /// The box around it; all of space below z = 0 for a plane.
     pub fn bounds(&self) -> Bounds {
-        todo!()
+        dispatch!(self, shape => shape.bounds())
     }
 
     /// Whether `p` lies inside or on the surface.
-    pub fn contains(&self, _p: DVec3) -> bool {
-        todo!()
+    pub fn contains(&self, p: DVec3) -> bool {
+        dispatch!(self, shape => shape.contains(p))
     }
 
     /// The outward unit normal at the surface point `p` of `face`.
-    pub fn normal(&self, _p: DVec3, _face: u32) -> DVec3 {
-        todo!()
+    pub fn normal(&self, p: DVec3, face: u32) -> DVec3 {
+        dispatch!(self, shape => shape.normal(p, face))
     }
 
     /// Surface coordinates of `p` on `face`, both in 0..=1 where the surface is bounded.
-    pub fn uv(&self, _p: DVec3, _face: u32) -> DVec2 {
-        todo!()
+    pub fn uv(&self, p: DVec3, face: u32) -> DVec2 {
+        dispatch!(self, shape => shape.uv(p, face))
     }
 
     /// Moves `p`, near the surface of `face`, onto it, to within a few ulps of the solid's size.
-    pub fn project(&self, _p: DVec3, _face: u32) -> DVec3 {
-        todo!()
+    pub fn project(&self, p: DVec3, face: u32) -> DVec3 {
+        dispatch!(self, shape => shape.project(p, face))
     }
+}
+
+/// Parameter of the point of the ray's line that is closest to `center`, and that point seen from there.
+///
+/// Solving from here keeps the error at a few ulps of the distance to the ray's origin; from the origin
+/// itself it would grow with the distance's square.
+fn closest_approach(ray: &Ray, center: DVec3) -> (f64, DVec3) {
+    let o = ray.origin - center;
+    let t = -o.dot(ray.direction) / ray.direction.length_squared();
+    (t, o + t * ray.direction)
+}
+
+/// The angle of `v` around the origin as a fraction of a full turn from +x, in 0..=1.
+fn turn(v: DVec2) -> f64 {
+    let turn = v.y.atan2(v.x) / TAU;
+    if turn < 0.0 { turn + 1.0 } else { turn }
 }

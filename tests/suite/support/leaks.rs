@@ -21,8 +21,16 @@ pub struct Closed {
 pub fn cases() -> Vec<(String, Closed)> {
     let tube = torus_mesh(180, 60, 1.0, 0.4);
     let forms: [(&str, Mesh, Vec3); 4] = [
-        ("cube", box_mesh(Vec3::NEG_ONE, Vec3::ONE), Vec3::new(0.1, 0.2, -0.3)),
-        ("bumpy sphere", bumpy_sphere(100), Vec3::new(0.1, -0.1, 0.05)),
+        (
+            "cube",
+            box_mesh(Vec3::NEG_ONE, Vec3::ONE),
+            Vec3::new(0.1, 0.2, -0.3),
+        ),
+        (
+            "bumpy sphere",
+            bumpy_sphere(100),
+            Vec3::new(0.1, -0.1, 0.05),
+        ),
         ("torus", tube, Vec3::new(1.0, 0.05, 0.1)),
         ("slivers", slivers(60), Vec3::new(0.01, 0.02, 1e-5)),
     ];
@@ -75,7 +83,9 @@ pub fn escaped(case: &Closed, rays: u64, seed: u64) -> u64 {
                     0..5 => a - origin,
                     5..8 => a.lerp(b, rng.random()) - origin,
                     8 => uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3(),
-                    _ => DVec3::AXES[rng.random_range(0..3)] * if rng.random() { 1.0 } else { -1.0 },
+                    _ => {
+                        DVec3::AXES[rng.random_range(0..3)] * if rng.random() { 1.0 } else { -1.0 }
+                    }
                 };
                 let length = 10.0_f64.powf(rng.random_range(-12.0..10.0));
                 let ray = Ray::new(origin, direction.normalize() * length);

@@ -94,7 +94,11 @@ impl Build for Scene {
     }
 
     fn solid(&mut self, solid: Solid, material: MaterialId, at: DVec3) -> &mut Self {
-        self.place(Shape::Solid(solid), material, DAffine3::from_translation(at))
+        self.place(
+            Shape::Solid(solid),
+            material,
+            DAffine3::from_translation(at),
+        )
     }
 
     fn mesh(&mut self, mesh: Mesh, material: MaterialId) -> &mut Self {
@@ -144,7 +148,11 @@ pub fn shoot_with(world: &World, integrator: &dyn Integrator, shot: Shot) -> Vec
     };
     let lens = scene.cameras[0].lens(scene.film.size).unwrap();
     let rendered = render(world, &lens, integrator, &settings, &()).unwrap();
-    assert_eq!(rendered.bad, [], "no sample may be anything but a finite number");
+    assert_eq!(
+        rendered.bad,
+        [],
+        "no sample may be anything but a finite number"
+    );
     rendered.film.pixels().iter().map(|p| p.mean()).collect()
 }
 
