@@ -84,6 +84,9 @@ impl Rect {
     }
 
     /// Squares of `edge` pixels that cover the rectangle once, row by row; those at the right and bottom may be smaller.
+    ///
+    /// # Panics
+    /// Where `edge` is 0.
     pub fn tiles(self, edge: u32) -> impl Iterator<Item = Self> {
         let steps = move |length: u32| {
             (0..length)

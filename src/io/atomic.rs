@@ -1,6 +1,6 @@
 //! Writing a file so that it is there whole or not at all.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -113,16 +113,8 @@ fn folder(path: &Path) -> &Path {
 fn create_beside(target: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".solidtrace-").suffix(".part");
-    if let Some(permissions) = ordinary_permissions() {
-        builder.permissions(permissions);
-    }
-    builder.tempfile_in(folder(target))
-}
-
-/// What a new file asks for, before the umask takes its share.
-fn ordinary_permissions() -> Option<Permissions> {
+    // What a new file asks for, before the umask takes its share.
     #[cfg(unix)]
-    return Some(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    #[cfg(not(unix))]
-    return None;
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder(target))
 }

@@ -1,4 +1,4 @@
-//! Linear pictures in full precision: OpenEXR.
+//! Linear pictures in full precision: `OpenEXR`.
 
 use std::fs;
 use std::io::Cursor;

@@ -138,7 +138,9 @@ fn tiles_of_any_size_and_order_give_the_same_film() {
             .collect();
         random.shuffle(&mut parts);
         let mut film = Film::new(whole);
-        parts.iter().for_each(|part| film.add(part));
+        for part in &parts {
+            film.add(part);
+        }
         assert_eq!(film, at_once, "tiles of {edge}");
     }
     let mut halves = fill(whole, 4..8);
@@ -157,7 +159,7 @@ fn tiles_cover_every_pixel_once() {
         };
         let mut seen: Vec<(u32, u32)> = (rect.tiles(edge))
             .inspect(|tile| {
-                assert!(rect.contains(*tile) && tile.width <= edge && tile.height <= edge)
+                assert!(rect.contains(*tile) && tile.width <= edge && tile.height <= edge);
             })
             .flat_map(|tile| {
                 (tile.y..tile.y + tile.height)

@@ -4,11 +4,13 @@
 mod accel;
 mod bare_model;
 mod embree;
+mod exr;
 mod film;
 mod furnace;
 mod layering;
 mod lights;
 mod output;
+mod png;
 mod random;
 mod scene_errors;
 mod scene_file;

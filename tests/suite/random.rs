@@ -2,7 +2,7 @@
 
 use solidtrace::color::Rgb;
 
-/// A small generator of its own, so that these tests lean on nothing that they test (Steele 2014, SplitMix64).
+/// A small generator of its own, so that these tests lean on nothing that they test (Steele 2014, `SplitMix64`).
 pub(crate) struct SplitMix(pub(crate) u64);
 
 impl SplitMix {
