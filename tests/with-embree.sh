@@ -108,10 +108,10 @@ use_embree() {
 use_libclang() {
     unpack libclang "$VERSION_CODENAME" /var/lib/dpkg/status libclang1
     local folder
-    for folder in "$prefix"/libclang/{usr/,}lib/*-linux-gnu; do
-        LD_LIBRARY_PATH=$folder${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
+    LIBCLANG_PATH=$(echo "$prefix"/libclang/usr/lib/*-linux-gnu)
+    for folder in "$LIBCLANG_PATH" "$prefix"/libclang/lib/*-linux-gnu; do
+        [[ ! -d $folder ]] || LD_LIBRARY_PATH=$folder${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
     done
-    LIBCLANG_PATH=$(dirname "$prefix"/libclang/usr/lib/*-linux-gnu/libclang-*.so.*.*)
     BINDGEN_EXTRA_CLANG_ARGS="${BINDGEN_EXTRA_CLANG_ARGS-} -idirafter $(cc -print-file-name=include)"
     export LD_LIBRARY_PATH LIBCLANG_PATH BINDGEN_EXTRA_CLANG_ARGS
 }
@@ -124,7 +124,7 @@ if ! has_embree || ! has_libclang; then
         stop "install Embree 4 (libembree4.so) and libclang with the system's package manager"
     mkdir -p "${CARGO_TARGET_DIR:-target}"
     prefix=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)/embree-prefix
-    if [[ $VERSION_ID -ge 13 && ! -d $prefix ]]; then
+    if [[ $VERSION_ID -ge 13 && ! -d $prefix/embree ]]; then
         install_packages || true
     fi
     has_embree || use_embree
