@@ -27,18 +27,13 @@ pub fn depressed_cubic(p: f64, q: f64) -> [f64; 3] {
     } else {
         3.0_f64.sqrt() * fold + q.abs().cbrt()
     };
-    loop {
+    let mut falling = true;
+    while falling {
         let square = outer * outer;
         let next = (2.0 * outer * square + q.abs()) / (3.0 * square + p);
-        // Also ends the loop where next is 0 / 0.
-        if !(next < outer) {
-            break;
-        }
-        let settled = next > outer * (1.0 - 1e-8);
-        outer = next;
-        if settled {
-            break;
-        }
+        // The step after one this small ends within rounding; and 0 / 0 is not less than anything.
+        falling = next < outer * (1.0 - 1e-8);
+        outer = outer.min(next);
     }
     let outer = outer.copysign(-q);
     let half = -0.5 * outer;

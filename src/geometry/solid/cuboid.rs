@@ -17,7 +17,7 @@ impl Cuboid {
         for axis in 0..3 {
             let (o, d) = (ray.origin[axis], ray.direction[axis]);
             if d == 0.0 {
-                if !(o.abs() <= self.half[axis]) {
+                if o.abs() > self.half[axis] {
                     return None;
                 }
                 continue;
@@ -46,6 +46,7 @@ impl Cuboid {
         p.abs().cmple(self.half).all()
     }
 
+    #[expect(clippy::unused_self, reason = "called like every solid's")]
     pub(super) fn normal(self, _p: DVec3, face: u32) -> DVec3 {
         let (axis, sign) = axis_and_sign(face);
         sign * DVec3::AXES[axis]
@@ -67,5 +68,8 @@ impl Cuboid {
 }
 
 fn axis_and_sign(face: u32) -> (usize, f64) {
-    (face as usize / 2, if face % 2 == 0 { -1.0 } else { 1.0 })
+    (
+        face as usize / 2,
+        if face.is_multiple_of(2) { -1.0 } else { 1.0 },
+    )
 }

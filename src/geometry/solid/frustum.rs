@@ -27,11 +27,9 @@ impl Frustum {
         if side.intersection(slab).is_empty() {
             return None;
         }
-        if side.min > slab.min {
-            side.min = cone.polish(side.min);
-        }
-        if side.max < slab.max {
-            side.max = cone.polish(side.max);
+        if cone.runs_along_a_generator() {
+            side.min = cone.polish(side.min, slab.min, side.min <= slab.min);
+            side.max = cone.polish(side.max, slab.max, side.max >= slab.max);
         }
         let (bottom, top) = if d.z < 0.0 {
             (TO_CAP, FROM_CAP)
@@ -104,10 +102,9 @@ impl Frustum {
     pub(super) fn uv(self, p: DVec3, face: u32) -> DVec2 {
         let v = match face {
             SIDE => p.z / self.height,
-            _ => p.truncate().length() / self.cap(face).0,
+            _ => p.truncate().length() / self.cap(face).0.max(f64::MIN_POSITIVE),
         };
-        // A cap of no radius is a point: 0 / 0 becomes 0.
-        DVec2::new(turn(p.truncate()), v.max(0.0).min(1.0))
+        DVec2::new(turn(p.truncate()), v.clamp(0.0, 1.0))
     }
 
     pub(super) fn project(self, p: DVec3, face: u32) -> DVec3 {
@@ -185,7 +182,7 @@ impl Cone {
         } else {
             (m2.sqrt() - x) * (m2.sqrt() + x)
         };
-        if a >= 0.0 && !(discriminant >= 0.0) {
+        if a >= 0.0 && discriminant < 0.0 {
             return None;
         }
         let (min, max) = roots::quadratic(a, b, c, discriminant.max(0.0));
@@ -205,13 +202,18 @@ impl Cone {
         })
     }
 
-    /// Improves a crossing near the solid where the line runs nearly along a generator: there `a` is a
-    /// difference of near equals, and so is the root that divides by it.
-    fn polish(&self, s: f64) -> f64 {
-        if self.bend().abs() < 0.25 * self.growth * self.growth {
-            roots::polish(s, |s| self.implicit(s))
-        } else {
-            s
+    /// Whether the bend is a difference of nearly equal numbers; and so inexact is the root that divides
+    /// by it.
+    fn runs_along_a_generator(&self) -> bool {
+        self.bend().abs() < 0.25 * self.growth * self.growth
+    }
+
+    /// Improves the root `s`, or leaves it alone where it is behind a cap and the cap inside the cone.
+    fn polish(&self, s: f64, cap: f64, behind_cap: bool) -> f64 {
+        if behind_cap && self.implicit(cap).0 <= 0.0 {
+            return s;
         }
+        let start = if behind_cap { cap } else { s };
+        roots::polish(start, |s| self.implicit(s))
     }
 }

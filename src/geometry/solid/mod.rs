@@ -163,6 +163,17 @@ macro_rules! dispatch {
 
 impl Solid {
     /// All spans of the whole line of `ray` (its `tmin` and `tmax` play no part).
+    ///
+    /// A point `origin + t direction` of a finite crossing lies on its face to within
+    /// `8 f64::EPSILON (|origin| + size)`, `size` being the greatest distance of the solid's points from the
+    /// origin of its own frame (0 for a plane), for directions of any length whose square neither overflows
+    /// nor underflows. So does a span's inside lie inside; what reaches no deeper, where a line grazes the
+    /// surface, may be there or not, but never as an odd crossing. A line in the plane of a flat face counts
+    /// as inside.
+    #[expect(
+        clippy::useless_conversion,
+        reason = "a torus gives spans, the convex solids one at most"
+    )]
     pub fn spans(&self, ray: &Ray) -> Spans {
         dispatch!(self, shape => shape.spans(ray).into())
     }

@@ -7,6 +7,7 @@ use crate::math::{Bounds, Ray};
 #[derive(Clone, Copy)]
 pub(super) struct Plane;
 
+#[expect(clippy::unused_self, reason = "called like every solid's")]
 impl Plane {
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let t = -ray.origin.z / ray.direction.z;

@@ -11,17 +11,15 @@ pub(super) struct Sphere {
     pub(super) radius: f64,
 }
 
+#[expect(clippy::unused_self, reason = "called like every solid's")]
 impl Sphere {
     /// The discriminant is a difference of squared lengths at the closest approach (Haines et al. 2019,
     /// "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let (t, p) = closest_approach(ray, DVec3::ZERO);
         let room = self.radius * self.radius - p.length_squared();
-        if !(room >= 0.0) {
-            return None;
-        }
         let half = (room / ray.direction.length_squared()).sqrt();
-        Some(Span::new((t - half, 0), (t + half, 0)))
+        (room >= 0.0).then(|| Span::new((t - half, 0), (t + half, 0)))
     }
 
     pub(super) fn bounds(self) -> Bounds {

@@ -62,7 +62,7 @@ impl Torus {
     fn clip(self, p: DVec3, u: DVec3) -> Option<Interval> {
         let outer = self.major + self.minor;
         let room = outer * outer - p.length_squared();
-        if !(room >= 0.0) {
+        if room < 0.0 {
             return None;
         }
         let half = room.sqrt();
@@ -81,7 +81,8 @@ impl Torus {
         }
         let hole = self.major - self.minor;
         let in_hole = |s: f64| (p + s * u).truncate().length_squared() < hole * hole;
-        (!range.is_empty() && !(in_hole(range.min) && in_hole(range.max))).then_some(range)
+        let misses = range.is_empty() || in_hole(range.min) && in_hole(range.max);
+        (!misses).then_some(range)
     }
 
     /// Where the derivative of `(|p + s u|^2 + R^2 - r^2)^2 - 4 R^2 rho^2` vanishes. From the closest

@@ -1,6 +1,7 @@
 //! What the solids are, said a second time and in 32 digits; and rays that are hard on them.
 
 use std::array::from_fn;
+use std::f64::consts::FRAC_PI_2;
 
 use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -69,7 +70,7 @@ pub(super) fn rng(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
 }
 
-/// The length that rounding errors are measured by.
+/// The greatest distance of the solid's points from the origin of its frame; 1 for a plane.
 pub(super) fn size(solid: &Solid) -> f64 {
     match *solid {
         Solid::Sphere { radius } => radius,
@@ -87,7 +88,12 @@ pub(super) fn size(solid: &Solid) -> f64 {
 
 /// The bound that the documentation of [`Solid::spans`] states.
 pub(super) fn bound(solid: &Solid, ray: &Ray) -> f64 {
-    8.0 * f64::EPSILON * (ray.origin.length() + size(solid))
+    let size = if *solid == Solid::Plane {
+        0.0
+    } else {
+        size(solid)
+    };
+    8.0 * f64::EPSILON * (ray.origin.length() + size)
 }
 
 pub(super) fn exact(p: DVec3) -> Point {
@@ -186,10 +192,8 @@ pub(super) fn nasty_ray(rng: &mut Pcg64Mcg, solid: &Solid) -> Ray {
         }
         // In the half-plane through the z axis: generators, apices, meridians.
         3 => {
-            let turned = DQuat::from_axis_angle(
-                normal.cross(DVec3::Z).normalize_or(DVec3::X),
-                1.5707963267948966,
-            );
+            let turned =
+                DQuat::from_axis_angle(normal.cross(DVec3::Z).normalize_or(DVec3::X), FRAC_PI_2);
             turned * normal
         }
         _ => unit(rng),
