@@ -8,6 +8,7 @@ mod film;
 mod furnace;
 mod layering;
 mod lights;
+mod loaders;
 mod output;
 mod random;
 mod scene_errors;
