@@ -1,7 +1,6 @@
 //! The faces of an OBJ file, as triangles, and what else the prepass keeps for itself.
 
 use std::collections::HashMap;
-use std::io::Write;
 use std::path::Path;
 
 use glam::DVec3;
@@ -136,8 +135,7 @@ impl Faces {
         vertices: &Vertices,
     ) -> Result<usize> {
         let (total, seen) = (vertices.counts()[kind], self.seen[kind]);
-        let parsed = std::str::from_utf8(text).ok();
-        let Some(index) = parsed.and_then(|text| text.parse::<i64>().ok()) else {
+        let Some(index) = integer(text) else {
             return Err(
                 (line.error(word, format!("{} is not a corner", word.shown())))
                     .help("its indices are whole numbers"),
@@ -207,9 +205,10 @@ impl Faces {
         for triangle in &self.triangles {
             out.push(b'f');
             for &i in triangle {
-                let [v, vt, vn] = self.corners[i].map(|i| i + 1);
-                // Writing to memory does not fail.
-                let _ = write!(out, " {v}/{vt}/{vn}");
+                for (separator, index) in [b' ', b'/', b'/'].into_iter().zip(self.corners[i]) {
+                    out.push(separator);
+                    push_decimal(out, index + 1);
+                }
             }
             out.push(b'\n');
             self.found.triangle_slots.push(slot);
@@ -225,6 +224,33 @@ impl Faces {
             slot
         })
     }
+}
+
+/// A whole number of at most 18 digits; faces are most of a file, so this is short and quick.
+fn integer(text: &[u8]) -> Option<i64> {
+    let (negative, digits) = match text {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] | digits => (false, digits),
+    };
+    if digits.is_empty() || digits.len() > 18 || !digits.iter().all(u8::is_ascii_digit) {
+        return None;
+    }
+    let value = digits.iter().fold(0, |n, d| 10 * n + i64::from(d - b'0'));
+    Some(if negative { -value } else { value })
+}
+
+fn push_decimal(out: &mut Vec<u8>, mut n: usize) {
+    let mut digits = [0; 20];
+    let mut start = digits.len();
+    loop {
+        start -= 1;
+        digits[start] = b'0' + (n % 10) as u8;
+        n /= 10;
+        if n == 0 {
+            break;
+        }
+    }
+    out.extend_from_slice(&digits[start..]);
 }
 
 impl Tally {

@@ -209,7 +209,7 @@ fn every_error_names_line_column_and_value() {
         ("f 1 /1 3", 15, 5, "`/1` is not a corner"),
         ("f 1///1 2 3", 15, 3, "`1///1` is not a corner"),
         ("f 1 2 99999999999999999999", 15, 7, "is not a corner"),
-        ("f 1 2 -9223372036854775808", 15, 7, "only 8 come before"),
+        ("f 1 2 -999999999999999999", 15, 7, "only 8 come before"),
         ("f 1 \\\n 2 \\\n 9", 15, 12, "uses v 9"),
         ("v 1 2", 15, 1, "`v` has 2 numbers"),
         ("v 1 2 nan", 15, 7, "`nan` is not a finite number"),
