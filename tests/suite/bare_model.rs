@@ -14,10 +14,20 @@ fn block(min: [f32; 3], size: [f32; 3]) -> Mesh {
         let unit = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         Vec3::from(min) + unit * Vec3::from(size)
     };
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     Mesh {
         positions: (0..8).map(corner).collect(),
-        triangles: quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect(),
+        triangles: quads
+            .iter()
+            .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
+            .collect(),
         ..Mesh::default()
     }
 }
@@ -61,7 +71,9 @@ fn project(scene: &Scene, p: DVec3) -> (f64, f64, f64) {
 fn corners(scene: &Scene) -> Vec<DVec3> {
     let instance = &scene.instances[0];
     let positions = scene.meshes[0].positions.iter();
-    positions.map(|p| instance.world_from_object.point(p.as_dvec3())).collect()
+    positions
+        .map(|p| instance.world_from_object.point(p.as_dvec3()))
+        .collect()
 }
 
 fn lamps(scene: &Scene) -> Vec<(&Instance, f64)> {
@@ -76,7 +88,10 @@ fn lamps(scene: &Scene) -> Vec<(&Instance, f64)> {
 fn a_framed_model_fills_the_picture_up_to_the_margin() {
     for mesh in shapes() {
         let scene = bare_scene(model(mesh), false).unwrap();
-        let seen: Vec<_> = corners(&scene).into_iter().map(|p| project(&scene, p)).collect();
+        let seen: Vec<_> = corners(&scene)
+            .into_iter()
+            .map(|p| project(&scene, p))
+            .collect();
         assert!(seen.iter().all(|s| s.2 > 0.0));
         let edge = |f: fn(&(f64, f64, f64)) -> f64| seen.iter().map(f).fold(f64::MIN, f64::max);
         let (right, left) = (edge(|s| s.0), edge(|s| -s.0));
@@ -98,7 +113,10 @@ fn the_camera_stands_front_right_and_above() {
 
 #[test]
 fn a_tall_model_gets_a_tall_picture() {
-    let sizes: Vec<_> = shapes().into_iter().map(|m| bare_scene(model(m), false).unwrap().film.size).collect();
+    let sizes: Vec<_> = shapes()
+        .into_iter()
+        .map(|m| bare_scene(model(m), false).unwrap().film.size)
+        .collect();
     assert_eq!(sizes[0], (1280, 720));
     assert_eq!(sizes[1], (720, 1280));
     assert_eq!(sizes[2], (1280, 720));
@@ -134,14 +152,25 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
             for i in 0..40 {
                 for j in 0..80 {
                     let (theta, phi) = (f64::from(i) * 0.0786, f64::from(j) * 0.0786);
-                    let n = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+                    let n = DVec3::new(
+                        theta.sin() * phi.cos(),
+                        theta.cos(),
+                        theta.sin() * phi.sin(),
+                    );
                     let p = lamp.world_from_object.point(radius * n);
                     let (x, y, depth) = project(&scene, p);
-                    assert!(depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0, "lamp at {x}, {y}");
+                    assert!(
+                        depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0,
+                        "lamp at {x}, {y}"
+                    );
                 }
             }
             let center = lamp.world_from_object.point(DVec3::ZERO);
-            assert!(corners(&scene).iter().all(|p| p.distance(center) > 1.5 * radius));
+            assert!(
+                corners(&scene)
+                    .iter()
+                    .all(|p| p.distance(center) > 1.5 * radius)
+            );
         }
     }
 }
@@ -149,7 +178,9 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
 #[test]
 fn the_floor_is_level_and_just_under_the_model() {
     let scene = bare_scene(model(shapes().remove(1)), false).unwrap();
-    let floor = (scene.instances.iter()).find(|i| i.shape == Shape::Solid(Solid::Plane)).unwrap();
+    let floor = (scene.instances.iter())
+        .find(|i| i.shape == Shape::Solid(Solid::Plane))
+        .unwrap();
     let (point, up) = (
         floor.world_from_object.point(DVec3::ZERO),
         floor.world_from_object.normal(DVec3::Z),
@@ -161,7 +192,11 @@ fn the_floor_is_level_and_just_under_the_model() {
 /// Which of the model's directions become the world's y and z.
 fn up_and_front(mesh: Mesh) -> (DVec3, DVec3) {
     let scene = bare_scene(model(mesh), true).unwrap();
-    let upright = scene.instances[0].world_from_object.matrix().matrix3.transpose();
+    let upright = scene.instances[0]
+        .world_from_object
+        .matrix()
+        .matrix3
+        .transpose();
     assert!((upright.determinant() - 1.0).abs() < 1e-12);
     (upright.y_axis, upright.z_axis)
 }
@@ -190,10 +225,22 @@ fn the_side_with_more_triangles_is_the_front() {
 fn other_models_stay_as_they_are() {
     let upright = (DVec3::Y, DVec3::Z);
     // On the ground and tallest along y; floating; low; standing on both planes.
-    assert_eq!(up_and_front(block([-1.0, 0.0, -1.0], [2.0, 5.0, 2.0])), upright);
-    assert_eq!(up_and_front(block([-1.0, -1.0, -3.0], [2.0, 2.0, 5.0])), upright);
-    assert_eq!(up_and_front(block([-1.0, -1.0, 0.0], [2.0, 2.0, 1.0])), upright);
-    assert_eq!(up_and_front(block([0.0, 0.0, 0.0], [1.0, 1.0, 5.0])), upright);
+    assert_eq!(
+        up_and_front(block([-1.0, 0.0, -1.0], [2.0, 5.0, 2.0])),
+        upright
+    );
+    assert_eq!(
+        up_and_front(block([-1.0, -1.0, -3.0], [2.0, 2.0, 5.0])),
+        upright
+    );
+    assert_eq!(
+        up_and_front(block([-1.0, -1.0, 0.0], [2.0, 2.0, 1.0])),
+        upright
+    );
+    assert_eq!(
+        up_and_front(block([0.0, 0.0, 0.0], [1.0, 1.0, 5.0])),
+        upright
+    );
     let z_up = block([-0.3, -0.2, 0.0], [0.6, 0.3, 1.7]);
     let scene = bare_scene(model(z_up), false).unwrap();
     assert!(scene.instances[0].world_from_object.is_identity());
@@ -219,7 +266,12 @@ fn own_cameras_and_lights_are_kept() {
     let scene = bare_scene(own.clone(), false).unwrap();
     assert_eq!(scene.cameras, [camera]);
     assert_eq!(lamps(&scene).len(), 3);
-    assert!(scene.instances.iter().all(|i| i.shape != Shape::Solid(Solid::Plane)));
+    assert!(
+        scene
+            .instances
+            .iter()
+            .all(|i| i.shape != Shape::Solid(Solid::Plane))
+    );
 
     own.lights = vec![light.clone()];
     let scene = bare_scene(own, false).unwrap();

@@ -23,9 +23,17 @@ fn check(error: &Error, marked: &str, parts: &[&str]) {
     let before = &marked[..marked.find('«').expect("a mark")];
     let line = before.matches('\n').count() + 1;
     let column = before.lines().next_back().map_or(0, |l| l.chars().count());
-    let column = if before.ends_with('\n') { 1 } else { column + 1 };
+    let column = if before.ends_with('\n') {
+        1
+    } else {
+        column + 1
+    };
     let place = error.place().expect("a place");
-    assert_eq!((place.line, place.column), (Some(line), Some(column)), "{error}");
+    assert_eq!(
+        (place.line, place.column),
+        (Some(line), Some(column)),
+        "{error}"
+    );
     let report = error.to_string();
     for part in parts {
         assert!(report.contains(part), "`{part}` is not in\n{report}");
@@ -69,15 +77,24 @@ fn camera_fails(camera: &str, parts: &[&str]) {
 
 #[test]
 fn lengths_must_be_above_zero_and_finite() {
-    object_fails("Sphere(radius: «-3)", &["`-3`", "`radius` of `Sphere`", "above 0"]);
+    object_fails(
+        "Sphere(radius: «-3)",
+        &["`-3`", "`radius` of `Sphere`", "above 0"],
+    );
     object_fails("Sphere(radius: «0)", &["`0`", "above 0"]);
     object_fails("Sphere(radius: «inf)", &["`inf`", "finite"]);
     object_fails("Sphere(radius: «-inf)", &["`-inf`", "finite"]);
-    object_fails("Sphere(center: (0, «NaN, 0), radius: 1)", &["`NaN`", "`center`"]);
+    object_fails(
+        "Sphere(center: (0, «NaN, 0), radius: 1)",
+        &["`NaN`", "`center`"],
+    );
     object_fails("Sphere(center: (0, 0, «1e300), radius: 1)", &["`1e300`"]);
     object_fails("Sphere(radius: «1e-200)", &["`1e-200`"]);
     object_fails("Box(size: (1, «0, 1))", &["`0`", "`size` of `Box`"]);
-    object_fails("Cylinder(from: (0, 0, 0), to: (0, 1, 0), radius: «-1)", &["`-1`"]);
+    object_fails(
+        "Cylinder(from: (0, 0, 0), to: (0, 1, 0), radius: «-1)",
+        &["`-1`"],
+    );
     object_fails(
         "Cone(from: (0, 0, 0), to: (0, 1, 0), from_radius: «-1)",
         &["`-1`", "`from_radius` of `Cone`", "at least 0"],
@@ -90,28 +107,47 @@ fn solids_must_not_be_degenerate() {
         "Cylinder(from: (1, 2, 3), to: «(1, 2, 3), radius: 1)",
         &["`(1, 2, 3)`", "same point as `from`"],
     );
-    object_fails("«Cone(from: (0, 0, 0), to: (0, 1, 0), from_radius: 0)", &["both radii"]);
+    object_fails(
+        "«Cone(from: (0, 0, 0), to: (0, 1, 0), from_radius: 0)",
+        &["both radii"],
+    );
     object_fails(
         "Torus(major_radius: 2, minor_radius: «2)",
         &["`2`", "less than the `major_radius`, 2"],
     );
-    object_fails("Torus(axis: «(0, 0, 0), major_radius: 2, minor_radius: 1)", &["`(0, 0, 0)`"]);
+    object_fails(
+        "Torus(axis: «(0, 0, 0), major_radius: 2, minor_radius: 1)",
+        &["`(0, 0, 0)`"],
+    );
     object_fails("Plane(normal: «(0, 0, 0))", &["`(0, 0, 0)`", "direction"]);
     object_fails(
         "Box(size: (1, 1, 1), axes: ((1, 0, 0), «(2, 0, 0)))",
         &["`(2, 0, 0)`", "0.0 degrees", "perpendicular"],
     );
-    object_fails("Box(size: (1, 1, 1), axes: («(0, 0, 0), (2, 0, 0)))", &["`(0, 0, 0)`"]);
+    object_fails(
+        "Box(size: (1, 1, 1), axes: («(0, 0, 0), (2, 0, 0)))",
+        &["`(0, 0, 0)`"],
+    );
 }
 
 #[test]
 fn transforms_must_be_invertible() {
-    let sphere = |step: &str| format!("Sphere(radius: 1, transform: [Translate((1, 0, 0)), {step}])");
+    let sphere =
+        |step: &str| format!("Sphere(radius: 1, transform: [Translate((1, 0, 0)), {step}])");
     object_fails(&sphere("Scale((1, «0, 1))"), &["`0`", "flatten"]);
     object_fails(&sphere("Scale(«0)"), &["`0`", "flatten"]);
-    object_fails(&sphere("Rotate(axis: «(0, 0, 0), degrees: 3)"), &["`(0, 0, 0)`", "`axis` of `Rotate`"]);
-    object_fails(&sphere("Rotate(«axes: (0, 0, 1), degrees: 3)"), &["`axes`", "did you mean `axis`?"]);
-    object_fails(&sphere("«Rotat(axis: (0, 0, 1), degrees: 3)"), &["`Rotat`", "did you mean `Rotate`?"]);
+    object_fails(
+        &sphere("Rotate(axis: «(0, 0, 0), degrees: 3)"),
+        &["`(0, 0, 0)`", "`axis` of `Rotate`"],
+    );
+    object_fails(
+        &sphere("Rotate(«axes: (0, 0, 1), degrees: 3)"),
+        &["`axes`", "did you mean `axis`?"],
+    );
+    object_fails(
+        &sphere("«Rotat(axis: (0, 0, 1), degrees: 3)"),
+        &["`Rotat`", "did you mean `Rotate`?"],
+    );
     object_fails("Sphere(radius: 1, transform: «Scale(2))", &["a list"]);
     let many = "Scale(1e12), ".repeat(25);
     let step = format!("{many}«Scale(1e12), {}", "Scale(1e12)");
@@ -120,75 +156,156 @@ fn transforms_must_be_invertible() {
 
 #[test]
 fn tuples_must_have_the_right_count() {
-    object_fails("Sphere(center: «(0, 0), radius: 1)", &["`(0, 0)`", "2 values", "`(x, y, z)`"]);
+    object_fails(
+        "Sphere(center: «(0, 0), radius: 1)",
+        &["`(0, 0)`", "2 values", "`(x, y, z)`"],
+    );
     object_fails("Sphere(center: «(0, 0, 0, 1), radius: 1)", &["4 values"]);
     object_fails("Sphere(center: «7, radius: 1)", &["`7`", "`(x, y, z)`"]);
-    setting_fails("film: (size: «(1, 2, 3))", &["`(1, 2, 3)`", "`(width, height)`"]);
+    setting_fails(
+        "film: (size: «(1, 2, 3))",
+        &["`(1, 2, 3)`", "`(width, height)`"],
+    );
 }
 
 #[test]
 fn values_must_be_of_the_right_type() {
     object_fails("Sphere(radius: «\"3\")", &["`\"3\"`", "a number"]);
     object_fails("Sphere(radius: «None)", &["`None`", "a number"]);
-    object_fails("Sphere(radius: 1, material: «red)", &["`red`", "double quotes"]);
+    object_fails(
+        "Sphere(radius: 1, material: «red)",
+        &["`red`", "double quotes"],
+    );
     object_fails("Sphere(radius: 1, name: «3)", &["`3`"]);
     object_fails("Sphere(radius: 1, name: «\"\")", &["empty"]);
-    object_fails("Mesh(file: \"a.obj\", smooth: «1)", &["`1`", "`true` or `false`"]);
+    object_fails(
+        "Mesh(file: \"a.obj\", smooth: «1)",
+        &["`1`", "`true` or `false`"],
+    );
     object_fails("Sphere(«3)", &["need their names"]);
     object_fails("«7", &["`7`", "an object"]);
 }
 
 #[test]
 fn misspelt_fields_get_a_suggestion() {
-    object_fails("Sphere(«raduis: 3)", &["`Sphere` has no field `raduis`", "did you mean `radius`?"]);
-    object_fails("Sphere(radius: 3, «centre: (0, 0, 0))", &["`centre`", "did you mean `center`?"]);
-    object_fails("Sphere(radius: 3, «quux: 1)", &["`quux`", "known here: center, radius, name, material, transform"]);
+    object_fails(
+        "Sphere(«raduis: 3)",
+        &["`Sphere` has no field `raduis`", "did you mean `radius`?"],
+    );
+    object_fails(
+        "Sphere(radius: 3, «centre: (0, 0, 0))",
+        &["`centre`", "did you mean `center`?"],
+    );
+    object_fails(
+        "Sphere(radius: 3, «quux: 1)",
+        &[
+            "`quux`",
+            "known here: center, radius, name, material, transform",
+        ],
+    );
     object_fails("«Sphere(center: (0, 0, 0))", &["needs the field `radius`"]);
-    object_fails("Sphere(radius: 3, «radius: 4)", &["`radius` is given twice"]);
-    fails(&format!("({CAMERA}, «object: [])"), &["did you mean `objects`?"]);
-    fails("(«camra: Perspective(), objects: [])", &["did you mean `camera`?"]);
+    object_fails(
+        "Sphere(radius: 3, «radius: 4)",
+        &["`radius` is given twice"],
+    );
+    fails(
+        &format!("({CAMERA}, «object: [])"),
+        &["did you mean `objects`?"],
+    );
+    fails(
+        "(«camra: Perspective(), objects: [])",
+        &["did you mean `camera`?"],
+    );
     fails("«(objects: [])", &["needs the field `camera`"]);
-    fails(&format!("\n«Scene({CAMERA})"), &["needs the field `objects`"]);
+    fails(
+        &format!("\n«Scene({CAMERA})"),
+        &["needs the field `objects`"],
+    );
     setting_fails("film: («sp: 3)", &["`sp`", "did you mean `spp`?"]);
 }
 
 #[test]
 fn misspelt_names_get_a_suggestion() {
     object_fails("«Spere(radius: 3)", &["`Spere`", "did you mean `Sphere`?"]);
-    object_fails("Sphere(radius: 3, material: «\"gren\")", &["`gren`", "did you mean `green`?"]);
-    object_fails("Sphere(radius: 3, material: «\"chrome\")", &["no material `chrome`", "known here: "]);
-    object_fails("Instance(of: «\"blot\")", &["no definition `blot`", "did you mean `bolt`?"]);
-    material_fails("«Difuse(color: (1, 1, 1))", &["`Difuse`", "did you mean `Diffuse`?"]);
-    material_fails("Diffuse(color: «Cheker())", &["`Cheker`", "did you mean `Checker`?"]);
-    material_fails("Dielectric(ior: 1.5, fresnel: «Schlik)", &["`Schlik`", "did you mean `Schlick`?"]);
+    object_fails(
+        "Sphere(radius: 3, material: «\"gren\")",
+        &["`gren`", "did you mean `green`?"],
+    );
+    object_fails(
+        "Sphere(radius: 3, material: «\"chrome\")",
+        &["no material `chrome`", "known here: "],
+    );
+    object_fails(
+        "Instance(of: «\"blot\")",
+        &["no definition `blot`", "did you mean `bolt`?"],
+    );
+    material_fails(
+        "«Difuse(color: (1, 1, 1))",
+        &["`Difuse`", "did you mean `Diffuse`?"],
+    );
+    material_fails(
+        "Diffuse(color: «Cheker())",
+        &["`Cheker`", "did you mean `Checker`?"],
+    );
+    material_fails(
+        "Dielectric(ior: 1.5, fresnel: «Schlik)",
+        &["`Schlik`", "did you mean `Schlick`?"],
+    );
     setting_fails("integrator: «path()", &["`path`", "did you mean `Path`?"]);
-    setting_fails("environment: «Const(color: (1, 1, 1))", &["`Const`", "Constant"]);
+    setting_fails(
+        "environment: «Const(color: (1, 1, 1))",
+        &["`Const`", "Constant"],
+    );
     setting_fails("lights: [«Spot()]", &["`Spot`", "Point"]);
-    setting_fails("film: (filter: «Gausian(radius: 2))", &["`Gausian`", "did you mean `Gaussian`?"]);
-    setting_fails("film: (tonemap: «sRGB)", &["`sRGB`", "did you mean `Srgb`?"]);
+    setting_fails(
+        "film: (filter: «Gausian(radius: 2))",
+        &["`Gausian`", "did you mean `Gaussian`?"],
+    );
+    setting_fails(
+        "film: (tonemap: «sRGB)",
+        &["`sRGB`", "did you mean `Srgb`?"],
+    );
     camera_fails("«Orthographic()", &["`Orthographic`", "Perspective"]);
 }
 
 #[test]
 fn csg_is_announced_as_not_there_yet() {
     for name in ["Union", "Intersection", "Difference", "Repeat"] {
-        object_fails(&format!("«{name}(of: [Sphere(radius: 1)])"), &[name, "not supported by this version"]);
+        object_fails(
+            &format!("«{name}(of: [Sphere(radius: 1)])"),
+            &[name, "not supported by this version"],
+        );
     }
 }
 
 #[test]
 fn colours_must_be_in_range() {
-    material_fails("Diffuse(color: (0.5, «1.5, 0))", &["`1.5`", "0..=1", "`Emissive`"]);
+    material_fails(
+        "Diffuse(color: (0.5, «1.5, 0))",
+        &["`1.5`", "0..=1", "`Emissive`"],
+    );
     material_fails("Diffuse(color: (0.5, «-0.5, 0))", &["`-0.5`"]);
     material_fails("Diffuse(color: «(1, 1))", &["2 values", "`(r, g, b)`"]);
-    material_fails("Mirror(color: Checker(a: (1, 1, «2)))", &["`2`", "`a` of `Checker`"]);
-    material_fails("Diffuse(color: Checker(step: «0))", &["`0`", "`step` of `Checker`"]);
-    material_fails("Diffuse(color: Checker(«stp: 1))", &["did you mean `step`?"]);
+    material_fails(
+        "Mirror(color: Checker(a: (1, 1, «2)))",
+        &["`2`", "`a` of `Checker`"],
+    );
+    material_fails(
+        "Diffuse(color: Checker(step: «0))",
+        &["`0`", "`step` of `Checker`"],
+    );
+    material_fails(
+        "Diffuse(color: Checker(«stp: 1))",
+        &["did you mean `step`?"],
+    );
     material_fails("Emissive(radiance: (15, «-1, 15))", &["`-1`"]);
     material_fails("«Emissive()", &["needs the field `radiance`"]);
     material_fails("Dielectric(ior: «0)", &["`0`", "`ior` of `Dielectric`"]);
     setting_fails("environment: Constant(color: (0, 0, «-1))", &["`-1`"]);
-    setting_fails("lights: [Point(position: (0, 0, 0), intensity: (1, 1, «-1))]", &["`-1`", "`intensity` of `Point`"]);
+    setting_fails(
+        "lights: [Point(position: (0, 0, 0), intensity: (1, 1, «-1))]",
+        &["`-1`", "`intensity` of `Point`"],
+    );
 }
 
 #[test]
@@ -201,20 +318,38 @@ fn settings_must_be_in_range() {
     setting_fails("integrator: Path(max_depth: «-1)", &["`-1`"]);
     setting_fails("integrator: Whitted(shadow_factor: «2)", &["`2`", "0..=1"]);
     setting_fails("integrator: Ao(radius: «0)", &["`0`"]);
-    setting_fails("integrator: Normals(«radius: 1)", &["`Normals` has no field `radius`"]);
+    setting_fails(
+        "integrator: Normals(«radius: 1)",
+        &["`Normals` has no field `radius`"],
+    );
 }
 
 #[test]
 fn cameras_must_look_somewhere() {
     let camera = |rest: &str| format!("Perspective(eye: (0, 0, 9), {rest})");
     camera_fails(&camera("look_at: «(0, 0, 9), vfov: 45"), &["`(0, 0, 9)`"]);
-    camera_fails(&camera("look_at: (0, 0, 0), up: «(0, 0, 2), vfov: 45"), &["`(0, 0, 2)`", "along the view"]);
-    camera_fails("«Perspective(eye: (0, 5, 0), look_at: (0, 0, 0), vfov: 45)", &["y axis", "`up`"]);
-    camera_fails(&camera("look_at: (0, 0, 0), vfov: «180"), &["`180`", "between 0 and 180"]);
+    camera_fails(
+        &camera("look_at: (0, 0, 0), up: «(0, 0, 2), vfov: 45"),
+        &["`(0, 0, 2)`", "along the view"],
+    );
+    camera_fails(
+        "«Perspective(eye: (0, 5, 0), look_at: (0, 0, 0), vfov: 45)",
+        &["y axis", "`up`"],
+    );
+    camera_fails(
+        &camera("look_at: (0, 0, 0), vfov: «180"),
+        &["`180`", "between 0 and 180"],
+    );
     camera_fails(&camera("look_at: (0, 0, 0), vfov: «0"), &["`0`"]);
-    camera_fails(&camera("look_at: (0, 0, 0), vfov: 9, aperture: «-1"), &["`-1`"]);
+    camera_fails(
+        &camera("look_at: (0, 0, 0), vfov: 9, aperture: «-1"),
+        &["`-1`"],
+    );
     camera_fails(&camera("look_at: (0, 0, 0), vfov: 9, focus: «0"), &["`0`"]);
-    camera_fails("«Perspective(look_at: (0, 0, 0), vfov: 9)", &["needs the field `eye`"]);
+    camera_fails(
+        "«Perspective(look_at: (0, 0, 0), vfov: 9)",
+        &["needs the field `eye`"],
+    );
 }
 
 #[test]
@@ -224,7 +359,9 @@ fn names_must_be_given_once() {
         &["`a` is given twice"],
     );
     fails(
-        &format!("({CAMERA}, objects: [], definitions: {{\"a\": Sphere(radius: 1), «\"a\": Sphere(radius: 2)}})"),
+        &format!(
+            "({CAMERA}, objects: [], definitions: {{\"a\": Sphere(radius: 1), «\"a\": Sphere(radius: 2)}})"
+        ),
         &["`a` is given twice"],
     );
 }
@@ -232,10 +369,14 @@ fn names_must_be_given_once() {
 #[test]
 fn definitions_must_not_contain_themselves() {
     fails(
-        &format!("({CAMERA}, objects: [],\n definitions: {{\"a\": Instance(of: \"b\"),\n \"b\": Instance(of: «\"a\")}})"),
+        &format!(
+            "({CAMERA}, objects: [],\n definitions: {{\"a\": Instance(of: \"b\"),\n \"b\": Instance(of: «\"a\")}})"
+        ),
         &["contains itself", "`a` → `b` → `a`"],
     );
-    let chain: String = (0..500).map(|i| format!("\"d{i}\": Instance(of: \"d{}\"),\n", i + 1)).collect();
+    let chain: String = (0..500)
+        .map(|i| format!("\"d{i}\": Instance(of: \"d{}\"),\n", i + 1))
+        .collect();
     let chain = chain.replace("of: \"d64\"", "of: «\"d64\"");
     fails(
         &format!("({CAMERA}, objects: [], definitions: {{\n{chain} \"d500\": Sphere(radius: 1)}})"),
@@ -253,7 +394,10 @@ fn syntax_errors_point_at_the_token() {
     fails("(film: «\"abc", &["never ends"]);
     fails("(film: \"ab«\\qc\")", &["`\\q`"]);
     fails("«/* (film: 3)", &["comment is never closed"]);
-    fails(&format!("({CAMERA}, objects: []) «)"), &["the end of the file", "`)`"]);
+    fails(
+        &format!("({CAMERA}, objects: []) «)"),
+        &["the end of the file", "`)`"],
+    );
     fails("«", &["a value", "the end of the file"]);
     fails("[«1, 2]", &["the fields of `Scene`"]);
     fails("«Scne(film: ())", &["the fields of `Scene`"]);
@@ -262,24 +406,47 @@ fn syntax_errors_point_at_the_token() {
 #[test]
 fn json_errors_point_at_the_value_too() {
     let json = |objects: &str| {
-        format!("{{\n \"camera\": {{\"Perspective\": {{\"eye\": [0, 0, 9], \"look_at\": [0, 0, 0], \"vfov\": 45}}}},\n \"objects\": [{objects}]}}")
+        format!(
+            "{{\n \"camera\": {{\"Perspective\": {{\"eye\": [0, 0, 9], \"look_at\": [0, 0, 0], \"vfov\": 45}}}},\n \"objects\": [{objects}]}}"
+        )
     };
     let fails = |objects: &str, parts: &[&str]| fails_as("test.json", &json(objects), parts);
-    fails("{\"Sphere\": {\"radius\": «-3}}", &["`-3`", "`radius` of `Sphere`"]);
-    fails("{\"Sphere\": {«\"raduis\": 3}}", &["did you mean `radius`?"]);
+    fails(
+        "{\"Sphere\": {\"radius\": «-3}}",
+        &["`-3`", "`radius` of `Sphere`"],
+    );
+    fails(
+        "{\"Sphere\": {«\"raduis\": 3}}",
+        &["did you mean `radius`?"],
+    );
     fails("{«\"Spere\": {\"radius\": 3}}", &["did you mean `Sphere`?"]);
-    fails("{\"Sphere\": {\"radius\": 3, \"material\": «\"green\"}}", &["no material `green`"]);
-    fails("{\"Sphere\": {\"center\": «[0, 0], \"radius\": 3}}", &["2 values"]);
+    fails(
+        "{\"Sphere\": {\"radius\": 3, \"material\": «\"green\"}}",
+        &["no material `green`"],
+    );
+    fails(
+        "{\"Sphere\": {\"center\": «[0, 0], \"radius\": 3}}",
+        &["2 values"],
+    );
     fails("{\"Sphere\": «3}", &["the fields of `Sphere`"]);
-    fails("{\"Sphere\": {\"radius\": 3, «}}", &["not valid JSON", "trailing comma"]);
-    fails("{\"Sphere\": {\"radius\": 3}} «// round", &["not valid JSON"]);
+    fails(
+        "{\"Sphere\": {\"radius\": 3, «}}",
+        &["not valid JSON", "trailing comma"],
+    );
+    fails(
+        "{\"Sphere\": {\"radius\": 3}} «// round",
+        &["not valid JSON"],
+    );
 }
 
 #[test]
 fn deep_nesting_is_an_error_and_no_overflow() {
     for open in ["(", "[", "{\"a\":", "Some("] {
         let error = SceneDescription::from_text("deep.ron", &open.repeat(100_000)).unwrap_err();
-        assert!(error.message().contains("brackets inside one another"), "{error}");
+        assert!(
+            error.message().contains("brackets inside one another"),
+            "{error}"
+        );
     }
     let error = SceneDescription::from_text("deep.ron", &"/*".repeat(100_000)).unwrap_err();
     assert!(error.message().contains("comment"));
@@ -288,10 +455,15 @@ fn deep_nesting_is_an_error_and_no_overflow() {
 #[test]
 fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
     let original: Vec<char> = super::scene_file::RON.chars().collect();
-    let pieces = ["(", ")", "[", "{", "\"", "\\u{", "-1", "1e999", "NaN", ",", ":", "é", "/*", "//", "#", "None", "r#\"", "\u{0}"];
+    let pieces = [
+        "(", ")", "[", "{", "\"", "\\u{", "-1", "1e999", "NaN", ",", ":", "é", "/*", "//", "#",
+        "None", "r#\"", "\u{0}",
+    ];
     let mut state = 1_u64;
     let mut random = |below: usize| {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (state >> 33) as usize % below
     };
     let mut accepted = 0;
@@ -322,7 +494,10 @@ fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
             }
         }
     }
-    assert!((10..1_500).contains(&accepted), "{accepted} of 2000 mutations accepted");
+    assert!(
+        (10..1_500).contains(&accepted),
+        "{accepted} of 2000 mutations accepted"
+    );
 }
 
 #[test]
@@ -334,7 +509,9 @@ fn files_are_looked_for_beside_the_scene() {
     );
     fails_as(
         "test.ron",
-        &format!("({CAMERA}, objects: [], materials: {{\"a\": Diffuse(color: Image(file: «\"none.png\"))}})"),
+        &format!(
+            "({CAMERA}, objects: [], materials: {{\"a\": Diffuse(color: Image(file: «\"none.png\"))}})"
+        ),
         &["`none.png`"],
     );
 }
@@ -371,7 +548,11 @@ fn files_outside_the_scenes_tree_are_refused() {
     assert!(!load(&scenes, "../other/girl.obj", &[]));
     assert!(load(&scenes, "../other/girl.obj", &[&other]));
     assert!(!load(&other, "../assets/girl.obj", &[]));
-    assert!(!load(&scenes, other.join("girl.obj").to_str().unwrap(), &[]));
+    assert!(!load(
+        &scenes,
+        other.join("girl.obj").to_str().unwrap(),
+        &[]
+    ));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(other.join("girl.obj"), scenes.join("link.obj")).unwrap();
@@ -381,7 +562,11 @@ fn files_outside_the_scenes_tree_are_refused() {
     let marked = format!("({CAMERA}, objects: [Mesh(file: «\"../assets/gril.obj\")])");
     std::fs::write(&near, marked.replace('«', "")).unwrap();
     let error = read_scene(&near, &ReadOptions::default()).unwrap_err();
-    check(&error, &marked, &["`../assets/gril.obj`", "did you mean `girl.obj`?"]);
+    check(
+        &error,
+        &marked,
+        &["`../assets/gril.obj`", "did you mean `girl.obj`?"],
+    );
     assert_eq!(error.kind(), ErrorKind::Read);
 }
 
