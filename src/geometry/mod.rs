@@ -1,9 +1,11 @@
 //! Shapes without appearance: triangle meshes and analytic solids.
 
 mod mesh;
+mod polygon;
 pub mod solid;
 
 pub use mesh::Mesh;
+pub use polygon::triangulate;
 pub use solid::Solid;
 
 /// Index into the scene's list of meshes.

@@ -3,7 +3,11 @@
 mod atomic;
 mod bare;
 mod exr;
+mod gltf;
+mod lines;
 mod model;
+mod mtl;
+mod obj;
 mod picture;
 mod png;
 mod rays;

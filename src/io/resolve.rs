@@ -93,8 +93,8 @@ impl SceneDescription {
                 .insert(&material.name, MaterialId(i as u32));
         }
         // Definitions that stand nowhere are checked as well.
-        for (_, object) in &self.definitions {
-            loader.instances(object, &mut Vec::new())?;
+        for (name, object) in &self.definitions {
+            loader.instances(object, &mut vec![name])?;
         }
         for object in &self.objects {
             let instances = loader.instances(object, &mut Vec::new())?;

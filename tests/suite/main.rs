@@ -9,6 +9,7 @@ mod film;
 mod furnace;
 mod layering;
 mod lights;
+mod loaders;
 mod output;
 mod png;
 mod random;

@@ -377,7 +377,7 @@ fn definitions_must_not_contain_themselves() {
     let chain: String = (0..500)
         .map(|i| format!("\"d{i}\": Instance(of: \"d{}\"),\n", i + 1))
         .collect();
-    let chain = chain.replace("of: \"d65\"", "of: «\"d65\"");
+    let chain = chain.replace("of: \"d64\"", "of: «\"d64\"");
     fails(
         &format!("({CAMERA}, objects: [], definitions: {{\n{chain} \"d500\": Sphere(radius: 1)}})"),
         &["more than 64 definitions"],
@@ -389,7 +389,7 @@ fn syntax_errors_point_at_the_token() {
     fails("(camera: «}", &["a value", "`}`"]);
     fails("(\n film: «(spp: 3,\n ", &["`(` is never closed"]);
     fails("(film: (spp: 3 «size: (1, 2)))", &["`,` or `)`", "`s`"]);
-    fails("(film «(spp: 3))", &["names"]);
+    fails("(«film (spp: 3))", &["need their names"]);
     fails("(film: (spp: «3x))", &["`3x` is not a number"]);
     fails("(film: «\"abc", &["never ends"]);
     fails("(film: \"ab«\\qc\")", &["`\\q`"]);
@@ -399,7 +399,7 @@ fn syntax_errors_point_at_the_token() {
         &["the end of the file", "`)`"],
     );
     fails("«", &["a value", "the end of the file"]);
-    fails("«[1, 2]", &["the fields of `Scene`"]);
+    fails("[«1, 2]", &["the fields of `Scene`"]);
     fails("«Scne(film: ())", &["the fields of `Scene`"]);
 }
 
@@ -430,7 +430,7 @@ fn json_errors_point_at_the_value_too() {
     );
     fails("{\"Sphere\": «3}", &["the fields of `Sphere`"]);
     fails(
-        "{\"Sphere\": {\"radius\": 3,« }}",
+        "{\"Sphere\": {\"radius\": 3, «}}",
         &["not valid JSON", "trailing comma"],
     );
     fails(

@@ -49,7 +49,7 @@ Scene(
 "##;
 
 /// The same in JSON.
-const JSON: &str = r#"{
+pub const JSON: &str = r#"{
     "film": {"size": [640, 480], "spp": 16, "filter": {"Gaussian": {"radius": 1.5}}, "tonemap": "None"},
     "camera": {"Perspective": {"eye": [0, 14, 55], "look_at": [0, -2, 0], "up": [0, 1, 0], "vfov": 40, "aperture": 0, "focus": null}},
     "cameras": {

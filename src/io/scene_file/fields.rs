@@ -16,12 +16,20 @@ pub(super) struct Fields<'n, 't> {
 impl<'n, 't> Fields<'n, 't> {
     /// The fields of a record without a name, or called `what`.
     pub(super) fn of(node: &'n Node<'t>, what: &'n str) -> Result<Self> {
-        let entries: &[_] = match &node.value {
-            Value::Fields(name, entries) if name.is_none_or(|n| n == what) => entries,
-            Value::List(name, items) if items.is_empty() && name.is_none_or(|n| n == what) => &[],
+        let (name, body) = match &node.value {
+            Value::Fields(name, entries) => (name, Body::Fields(entries)),
+            Value::List(name, items) => (name, Body::Items(items)),
             _ => return Err(node.fault(&format!("the fields of `{what}`"))),
         };
-        Self::new(what, node.offset, entries)
+        if name.is_some_and(|name| name != what) {
+            return Err(node.fault(&format!("the fields of `{what}`")));
+        }
+        let choice = Choice {
+            name: what,
+            offset: node.offset,
+            body,
+        };
+        choice.fields()
     }
 
     fn new(what: &'n str, offset: usize, entries: &'n [(Word<'t>, Node<'t>)]) -> Result<Self> {

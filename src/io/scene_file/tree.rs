@@ -175,12 +175,11 @@ impl<'t> Parser<'t> {
         self.skip_space()?;
         let offset = self.at;
         let value = match self.peek() {
-            Some('"') => Value::String(self.string()?),
+            _ if self.at_text() => Value::String(self.text()?),
             Some('(') => self.bracketed(None)?,
             Some('[') => Value::List(None, self.items(']', Self::value)?),
             Some('{') => Value::Fields(None, self.items('}', Self::entry)?),
             Some(c) if c.is_ascii_digit() || "+-.".contains(c) => self.number()?,
-            Some('r') if self.rest()[1..].starts_with(['"', '#']) => self.raw_string()?,
             Some(c) if starts_word(c) => self.word()?,
             _ => return Err(self.unexpected("a value")),
         };
@@ -269,7 +268,7 @@ impl<'t> Parser<'t> {
     fn entry(&mut self) -> Result<(Word<'t>, Node<'t>)> {
         let offset = self.at;
         let text = match self.peek() {
-            Some('"') => self.string()?,
+            _ if self.at_text() => self.text()?,
             Some(c) if starts_word(c) => Cow::Borrowed(self.take_while(continues_word)),
             _ => return Err(self.unexpected("a name")),
         };
@@ -306,7 +305,21 @@ impl<'t> Parser<'t> {
             .ok_or_else(|| Fault::new(offset, format!("`{source}` is not a number")))
     }
 
-    fn raw_string(&mut self) -> Result<Value<'t>> {
+    /// Whether `"`, or RON's `r"` or `r#"`, comes next.
+    fn at_text(&self) -> bool {
+        let rest = self.rest();
+        rest.starts_with('"') || rest.starts_with("r\"") || rest.starts_with("r#")
+    }
+
+    fn text(&mut self) -> Result<Cow<'t, str>> {
+        if self.peek() == Some('"') {
+            self.string()
+        } else {
+            self.raw_string()
+        }
+    }
+
+    fn raw_string(&mut self) -> Result<Cow<'t, str>> {
         let offset = self.at;
         self.at += 1;
         let hashes = self.take_while(|c| c == '#');
@@ -319,7 +332,7 @@ impl<'t> Parser<'t> {
         };
         let content = &self.rest()[..length];
         self.at += length + end.len();
-        Ok(Value::String(Cow::Borrowed(content)))
+        Ok(Cow::Borrowed(content))
     }
 
     fn string(&mut self) -> Result<Cow<'t, str>> {

@@ -1,0 +1,166 @@
+//! The scene's nodes: what stands where.
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::light::PointLight;
+use crate::math::Transform;
+
+use super::json::Json;
+
+/// A node of the scene with its place in the world; `None` where its transform flattens space.
+pub(super) struct Node<'a> {
+    pub(super) json: Json<'a>,
+    pub(super) world_from_node: Option<Transform>,
+}
+
+/// The nodes of the scene in depth-first order: the default scene's, else the first one's, else all.
+///
+/// # Errors
+/// Where a node is met twice (glTF's nodes are trees) or a transform is malformed.
+pub(super) fn walk<'a>(root: &Json<'a>) -> Result<Vec<Node<'a>>> {
+    let mut visited = vec![false; root.list("nodes")?.len()];
+    let mut open: Vec<_> = (roots(root)?.into_iter().rev())
+        .map(|node| (node, DAffine3::IDENTITY))
+        .collect();
+    let mut nodes = Vec::new();
+    while let Some(((index, json), world_from_parent)) = open.pop() {
+        if std::mem::replace(&mut visited[index], true) {
+            return Err((json.error(format!("node {index} is in the scene twice")))
+                .help("a node has one parent, and is not below itself"));
+        }
+        let matrix = world_from_parent * local_matrix(&json)?;
+        let children = resolve(root, &json.list("children")?)?;
+        open.extend(children.into_iter().rev().map(|child| (child, matrix)));
+        nodes.push(Node {
+            json,
+            world_from_node: Transform::new(matrix),
+        });
+    }
+    Ok(nodes)
+}
+
+/// The nodes where the walk begins, with their indices.
+fn roots<'a>(root: &Json<'a>) -> Result<Vec<(usize, Json<'a>)>> {
+    if let Some(reference) = root.get("scene")? {
+        let (_, scene) = root.element("scenes", &reference)?;
+        return resolve(root, &scene.list("nodes")?);
+    }
+    if let Some(scene) = root.list("scenes")?.first() {
+        return resolve(root, &scene.list("nodes")?);
+    }
+    let nodes = root.list("nodes")?;
+    let mut is_child = vec![false; nodes.len()];
+    for node in &nodes {
+        for (child, _) in resolve(root, &node.list("children")?)? {
+            is_child[child] = true;
+        }
+    }
+    let nodes = nodes.into_iter().enumerate();
+    Ok(nodes.filter(|&(i, _)| !is_child[i]).collect())
+}
+
+fn resolve<'a>(root: &Json<'a>, references: &[Json<'a>]) -> Result<Vec<(usize, Json<'a>)>> {
+    (references.iter())
+        .map(|reference| root.element("nodes", reference))
+        .collect()
+}
+
+fn local_matrix(node: &Json<'_>) -> Result<DAffine3> {
+    if let Some(matrix) = node.get("matrix")? {
+        let m = DMat4::from_cols_array(&matrix.numbers()?);
+        if m.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+            return Err(matrix.error(format!("the last row is {}, not [0, 0, 0, 1]", m.row(3))));
+        }
+        return Ok(DAffine3::from_mat4(m));
+    }
+    let rotation = DQuat::from_array(node.numbers_or("rotation", [0.0, 0.0, 0.0, 1.0])?);
+    let length = rotation.length();
+    if length < 1e-6 {
+        return Err(node
+            .need("rotation")?
+            .error(format!("the quaternion {rotation} has no direction")));
+    }
+    Ok(DAffine3::from_scale_rotation_translation(
+        DVec3::from_array(node.numbers_or("scale", [1.0; 3])?),
+        rotation / length,
+        DVec3::from_array(node.numbers_or("translation", [0.0; 3])?),
+    ))
+}
+
+/// The camera of a node, if it has a perspective one: it looks along the node's -z axis.
+///
+/// # Errors
+/// Where the camera's fields are missing or out of range.
+pub(super) fn camera(
+    root: &Json<'_>,
+    node: &Json<'_>,
+    world_from_node: &Transform,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Camera>> {
+    let Some(reference) = node.get("camera")? else {
+        return Ok(None);
+    };
+    let (_, camera) = root.element("cameras", &reference)?;
+    if camera.need("type")?.text()? != "perspective" {
+        warnings.push(camera.warning("only perspective cameras are read"));
+        return Ok(None);
+    }
+    let yfov = camera.need("perspective")?.need("yfov")?;
+    let vfov = yfov.number()?;
+    if vfov <= 0.0 || vfov >= std::f64::consts::PI {
+        return Err((yfov.error(format!("a field of view of {vfov} radians")))
+            .help("it must be above 0 and below pi"));
+    }
+    let eye = world_from_node.point(DVec3::ZERO);
+    Ok(Some(Camera {
+        name: camera.name().or_else(|| node.name()),
+        eye,
+        look_at: eye + world_from_node.vector(DVec3::NEG_Z).normalize(),
+        up: world_from_node.vector(DVec3::Y).normalize(),
+        vfov,
+        aperture: 0.0,
+        focus: None,
+    }))
+}
+
+/// The point light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
+/// a candela is one W/sr here, not 1/683.
+///
+/// # Errors
+/// Where the light's fields are missing or out of range.
+pub(super) fn light(
+    root: &Json<'_>,
+    node: &Json<'_>,
+    world_from_node: &Transform,
+    warnings: &mut Vec<String>,
+) -> Result<Option<PointLight>> {
+    let Some(extension) = node.extension("KHR_lights_punctual")? else {
+        return Ok(None);
+    };
+    let reference = extension.need("light")?;
+    let lights = (root.extension("KHR_lights_punctual")?)
+        .ok_or_else(|| reference.error("the file has no lights"))?;
+    let (_, light) = lights.element("lights", &reference)?;
+    let kind = light.need("type")?.text()?;
+    if kind != "point" {
+        warnings.push(light.warning(&format!(
+            "lights of type `{kind}` are not read, only `point`"
+        )));
+        return Ok(None);
+    }
+    let strength = light.number_or("intensity", 1.0)?;
+    let color = light.numbers_or("color", [1.0; 3])?;
+    let intensity = Rgb::from_array(color.map(|c| (c * strength) as f32));
+    if !intensity.is_finite() || intensity.min_element() < 0.0 {
+        return Err(light.error(format!(
+            "the intensity {intensity} is negative or not finite"
+        )));
+    }
+    Ok(Some(PointLight {
+        position: world_from_node.point(DVec3::ZERO),
+        intensity,
+    }))
+}
