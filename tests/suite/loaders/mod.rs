@@ -6,13 +6,15 @@ mod obj;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use solidtrace::Result;
 use solidtrace::error::Error;
 use solidtrace::geometry::Mesh;
 use solidtrace::io::read_model;
 use solidtrace::scene::Model;
 use tempfile::TempDir;
+
+use crate::random::SplitMix;
 
 /// A folder for a test's files.
 struct Files(TempDir);
@@ -46,7 +48,7 @@ impl Files {
 fn volume(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len() as u32)
         .map(|i| {
-            let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
+            let [a, b, c] = mesh.corners(i).map(Vec3::as_dvec3);
             a.dot(b.cross(c)) / 6.0
         })
         .sum()
@@ -55,44 +57,35 @@ fn volume(mesh: &Mesh) -> f64 {
 fn area(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len() as u32)
         .map(|i| {
-            let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
+            let [a, b, c] = mesh.corners(i).map(Vec3::as_dvec3);
             0.5 * (b - a).cross(c - a).length()
         })
         .sum()
 }
 
-/// Deterministic numbers (Steele et al. 2014, SplitMix64).
-struct Random(u64);
+fn below(random: &mut SplitMix, n: usize) -> usize {
+    (random.next() % n as u64) as usize
+}
 
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % n as u64) as usize
-    }
-
-    /// One to four bytes changed, removed, repeated or swapped for something telling.
-    fn mutate(&mut self, bytes: &[u8]) -> Vec<u8> {
-        let mut bytes = bytes.to_vec();
-        for _ in 0..=self.below(4) {
-            if bytes.is_empty() {
-                break;
-            }
-            let at = self.below(bytes.len());
-            match self.below(5) {
-                0 => bytes[at] = self.below(256) as u8,
-                1 => bytes[at] = b"/-#.\\ \n0e9\"{[,"[self.below(14)],
-                2 => {
-                    bytes.remove(at);
-                }
-                3 => bytes.insert(at, bytes[at]),
-                _ => bytes.truncate(at),
-            }
+/// One to four bytes changed, removed, repeated or swapped for something telling, or the end cut off.
+fn mutate(random: &mut SplitMix, bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..=below(random, 4) {
+        if bytes.is_empty() {
+            break;
         }
-        bytes
+        let at = below(random, bytes.len());
+        match below(random, 5) {
+            0 => bytes[at] = random.next() as u8,
+            1 => bytes[at] = b"/-#.\\ \n0e9\"{[,"[below(random, 14)],
+            2 => {
+                bytes.remove(at);
+            }
+            3 => bytes.insert(at, bytes[at]),
+            _ => bytes.truncate(at),
+        }
     }
+    bytes
 }
 
 #[test]

@@ -5,7 +5,8 @@ use solidtrace::io::{read_bitmap, read_model};
 use solidtrace::material::{Fresnel, Material, Surface};
 use solidtrace::texture::{Bitmap, Texture};
 
-use super::{Files, Random};
+use super::{Files, mutate};
+use crate::random::SplitMix;
 
 const TRIANGLE: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
 
@@ -247,16 +248,16 @@ fn two_thousand_damaged_files_never_panic() {
     let files = Files::new();
     files.write("t.png", picture());
     let obj = files.write("a.obj", TRIANGLE);
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     for _ in 0..2000 {
-        files.write("a.mtl", random.mutate(text.as_bytes()));
+        files.write("a.mtl", mutate(&mut random, text.as_bytes()));
         if let Err(error) = read_model(&obj) {
             assert!(error.place().is_some(), "{error}");
         }
     }
     let picture = picture();
     for _ in 0..2000 {
-        let path = files.write("t.png", random.mutate(&picture));
+        let path = files.write("t.png", mutate(&mut random, &picture));
         if let Err(error) = read_bitmap(&path) {
             assert!(error.place().is_some(), "{error}");
         }
