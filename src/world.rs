@@ -42,6 +42,8 @@ pub struct SurfacePoint {
     pub error: f64,
     /// Outward geometric normal.
     pub ng: Vec3,
+    /// 1 where the ray came from the side of `ng`, -1 where it came from inside.
+    pub side: f32,
     /// Shading normal, on the side of `ng`.
     pub ns: Vec3,
     /// What textures see.
@@ -126,7 +128,7 @@ impl World {
     /// How the surface scatters.
     pub fn bsdf(&self, point: &SurfacePoint) -> Bsdf {
         let surface = &self.material(point).surface;
-        Bsdf::new(surface, &point.texture, point.ng, point.ns)
+        Bsdf::new(surface, &point.texture, point.ng, point.ns, point.side)
     }
 
     /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0
@@ -177,7 +179,14 @@ impl World {
                 (p, n, shading, uv, mesh.slot(hit.primitive))
             }
         };
-        let ng = transform.normal(n).as_vec3().normalize();
+        // In f64: a grazing ray must not be taken for one from the other side.
+        let outward = transform.normal(n);
+        let side = if outward.dot(ray.direction) > 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let ng = outward.as_vec3().normalize();
         let ns = shading
             .map(|n| transform.normal(n.as_dvec3()).as_vec3())
             .filter(|n| n.is_finite())
@@ -186,6 +195,7 @@ impl World {
             p: transform.point(p_object),
             error: self.accel.error(hit.instance, p_object),
             ng,
+            side,
             ns,
             texture: TexturePoint { p: p_object, n, uv },
             material: instance.material(slot),

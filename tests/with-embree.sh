@@ -64,10 +64,10 @@ fetch() {
         -oAPT::Default-Release="$suite" -oAPT::Update::Error-Mode=any -oAPT::Sandbox::User=root
         -oAcquire::Languages=none -oAcquire::http::Timeout=30 -oAcquire::https::Timeout=30
     )
-    # The machine's own mirrors first; an archive that is not Debian's fails at the keyring and is passed over.
+    # The machine's own mirrors; an archive that is not Debian's fails at the keyring and is passed over.
     mirrors=$(apt-get "${own[@]}" update --print-uris |
         sed -nE "s#^'(.*)/dists/($VERSION_CODENAME|(old)*stable)/InRelease'.*#\1#p") || true
-    for mirror in $mirrors http://deb.debian.org/debian; do
+    for mirror in $mirrors; do
         printf 'deb [signed-by=%s arch=%s target=Packages] %s %s main\n' \
             "$keyring" "$(dpkg --print-architecture)" "$mirror" "$suite" >"$apt/sources.list"
         if apt-get "${options[@]}" update </dev/null &&

@@ -46,11 +46,14 @@ pub struct Bsdf {
     frame: Frame,
     /// Geometric normal, outward.
     ng: Vec3,
+    /// 1 where light goes out along `ng`, -1 where it goes inside.
+    side: f32,
 }
 
 impl Bsdf {
-    /// The scattering of `surface` at `point`; `ns` lies on the side of the outward normal `ng`.
-    pub fn new(surface: &Surface, point: &TexturePoint, ng: Vec3, ns: Vec3) -> Self {
+    /// The scattering of `surface` at `point` towards the side of the outward normal `ng` (`side` 1) or
+    /// the other (-1); `ns` lies on the side of `ng`.
+    pub fn new(surface: &Surface, point: &TexturePoint, ng: Vec3, ns: Vec3, side: f32) -> Self {
         let lobe = match surface {
             Surface::Diffuse { color } => Lobe::Diffuse {
                 albedo: color.eval(point),
@@ -67,6 +70,7 @@ impl Bsdf {
             lobe,
             frame: Frame::around(ns),
             ng,
+            side,
         }
     }
 
@@ -85,11 +89,11 @@ impl Bsdf {
     }
 
     /// `f |cos|` and the density with which [`Self::sample`] draws `wi`. Delta lobes give 0.
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    pub fn eval(&self, wi: Vec3) -> (Rgb, f32) {
         let Lobe::Diffuse { albedo } = self.lobe else {
             return (Rgb::ZERO, 0.0);
         };
-        let side = side(wo.dot(self.ng));
+        let side = self.side;
         if side * wi.dot(self.ng) <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
@@ -101,12 +105,12 @@ impl Bsdf {
 
     /// Draws a direction; `None` where all light is absorbed. `u` picks a lobe, `u2` a direction in it.
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
-        let side = side(wo.dot(self.ng));
+        let side = self.side;
         match self.lobe {
             Lobe::Diffuse { albedo } => {
                 let wi = self.frame.to_world(side * diffuse::sample(u2));
                 let wi = self.keep(wi, side);
-                let (_, pdf) = self.eval(wo, wi);
+                let (_, pdf) = self.eval(wi);
                 (pdf > 0.0).then_some(BsdfSample {
                     wi,
                     weight: albedo,
@@ -133,7 +137,8 @@ impl Bsdf {
                 } else {
                     self.frame
                 };
-                let out = side * frame.to_local(wo);
+                let mut out = side * frame.to_local(wo);
+                out.z = out.z.max(0.0);
                 let eta = if side > 0.0 { ior } else { 1.0 / ior };
                 let scattered = dielectric::sample(out, eta, fresnel, u);
                 let wi = frame.to_world(side * scattered.wi);
@@ -168,8 +173,4 @@ impl Bsdf {
     fn fold(&self, w: Vec3) -> Vec3 {
         w - 2.0 * w.dot(self.ng) * self.ng
     }
-}
-
-fn side(cos: f32) -> f32 {
-    1.0_f32.copysign(cos)
 }

@@ -56,8 +56,7 @@ impl FeatureIntegrator {
         point: &SurfacePoint,
         traced: &mut u64,
     ) -> Rgb {
-        let wo = -camera.ray.direction.as_vec3();
-        let facing = |n: Vec3| if wo.dot(point.ng) < 0.0 { -n } else { n };
+        let facing = |n: Vec3| point.side * n;
         match self {
             Self::Normals => 0.5 * facing(point.ns) + 0.5,
             Self::Depth => Rgb::splat(t as f32),

@@ -15,11 +15,14 @@ use super::{CameraRay, Integrator};
 /// surfaces shaded, all shadow rays tested.
 #[derive(Clone, Copy, Debug)]
 pub struct PathIntegrator {
-    /// Most scattering events on a path; `None` is unlimited.
+    /// Most scattering events on a path; `None` is as good as unlimited, 65,536.
     pub max_depth: Option<u32>,
     /// Whether dim paths are ended at random, without bias.
     pub russian_roulette: bool,
 }
+
+/// Where even an unlimited path ends: between white walls or mirrors without a way out it never would.
+const LONGEST: u32 = 1 << 16;
 
 /// A path under way.
 struct Path {
@@ -59,7 +62,8 @@ impl Integrator for PathIntegrator {
         let mut hits = vec![None; rays.len()];
         let mut shadows: Vec<ShadowRay> = Vec::new();
         let mut traced = 0;
-        for depth in 0.. {
+        let most = self.max_depth.unwrap_or(LONGEST).min(LONGEST);
+        for depth in 0..=most {
             traced += rays.len() as u64;
             world.intersect_batch(&rays, &mut hits[..rays.len()]);
             let mut alive = 0;
@@ -71,15 +75,14 @@ impl Integrator for PathIntegrator {
                 };
                 let point = world.surface(&rays[i], &hit);
                 radiance[index] += emitted(world, &paths[i], &hit, &point);
-                if self.max_depth.is_some_and(|most| depth >= most) {
+                if depth >= most {
                     continue;
                 }
                 let wo = -rays[i].direction.as_vec3();
                 let bsdf = world.bsdf(&point);
                 let [pick, u, v, _] = paths[i].sampler.set(2 * depth + 2);
                 if bsdf.is_smooth()
-                    && let Some((ray, light)) =
-                        direct(world, &point, &bsdf, wo, pick, Vec2::new(u, v))
+                    && let Some((ray, light)) = direct(world, &point, &bsdf, pick, Vec2::new(u, v))
                 {
                     let light = paths[i].beta * light;
                     shadows.push(ShadowRay { index, ray, light });
@@ -125,13 +128,12 @@ fn direct(
     world: &World,
     point: &SurfacePoint,
     bsdf: &Bsdf,
-    wo: glam::Vec3,
     pick: f32,
     u2: Vec2,
 ) -> Option<(Ray, Rgb)> {
     let sample = world.lights().sample(point.p, pick, u2)?;
     let wi = (sample.p - point.p).as_vec3().try_normalize()?;
-    let (f_cos, pdf) = bsdf.eval(wo, wi);
+    let (f_cos, pdf) = bsdf.eval(wi);
     let weight = power_heuristic(sample.pdf, pdf) / sample.divisor();
     let light = f_cos * sample.li * weight;
     (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))

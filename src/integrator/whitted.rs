@@ -44,7 +44,7 @@ impl WhittedIntegrator {
             let bsdf = world.bsdf(&point);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {
-                return light + beta * self.direct(world, &point, wo, camera, depth, traced);
+                return light + beta * self.direct(world, &point, camera, depth, traced);
             }
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
             let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
@@ -61,7 +61,6 @@ impl WhittedIntegrator {
         &self,
         world: &World,
         point: &SurfacePoint,
-        wo: glam::Vec3,
         camera: &CameraRay,
         depth: u32,
         traced: &mut u64,
@@ -71,7 +70,7 @@ impl WhittedIntegrator {
             let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
                 return Rgb::ZERO;
             };
-            let (f_cos, _) = bsdf.eval(wo, wi);
+            let (f_cos, _) = bsdf.eval(wi);
             if f_cos == Rgb::ZERO {
                 return Rgb::ZERO;
             }

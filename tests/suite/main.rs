@@ -3,6 +3,7 @@
 #![allow(unreachable_pub)] // Everything in a test binary is private to it.
 mod accel;
 mod bare_model;
+mod cli;
 mod embree;
 mod exr;
 mod film;
@@ -13,6 +14,7 @@ mod loaders;
 mod output;
 mod png;
 mod random;
+mod readme;
 mod scene_errors;
 mod scene_file;
 mod solids;
