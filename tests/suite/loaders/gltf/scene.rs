@@ -1,0 +1,123 @@
+use glam::DVec3;
+use serde_json::json;
+use solidtrace::color::Rgb;
+use solidtrace::scene::Model;
+
+use super::{Files, glb, read, set, triangle};
+
+#[test]
+fn nodes_compose_from_the_root_down_and_share_their_mesh() {
+    let files = Files::new();
+    let (mut document, binary) = triangle();
+    let half = 0.5_f64.sqrt();
+    document["scenes"] = json!([{"nodes": [1, 0]}]);
+    document["nodes"] = json!([
+        {"name": "alone", "mesh": 0},
+        {"translation": [10, 0, 0], "rotation": [0, 0, half, half], "scale": [2, 2, 2], "children": [2, 3]},
+        {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]},
+        {"mesh": 0, "scale": [1, 0, 1]},
+    ]);
+    let model = read(&files, &(document.clone(), binary.clone()));
+    assert_eq!(model.meshes.len(), 1);
+    assert_eq!(model.parts.len(), 2);
+    // (1, 2, 3), doubled, turned by a quarter about z, moved by 10.
+    let place = &model.parts[0].model_from_mesh;
+    assert!(
+        place
+            .point(DVec3::ZERO)
+            .abs_diff_eq(DVec3::new(6.0, 2.0, 6.0), 1e-12)
+    );
+    assert!(place.vector(DVec3::X).abs_diff_eq(2.0 * DVec3::Y, 1e-12));
+    assert_eq!(model.parts[1].name.as_deref(), Some("alone"));
+    assert!(model.parts[1].model_from_mesh.is_identity());
+    assert!(
+        model.warnings[0].contains("/nodes/3"),
+        "{:?}",
+        model.warnings
+    );
+    // Without scenes, all nodes that have no parent.
+    let object = document.as_object_mut().unwrap();
+    object.remove("scene");
+    object.remove("scenes");
+    let names = |model: Model| model.parts.into_iter().map(|p| p.name).collect::<Vec<_>>();
+    assert_eq!(
+        names(read(&files, &(document, binary))),
+        [Some("alone".to_owned()), None]
+    );
+}
+
+#[test]
+fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
+    let files = Files::new();
+    let (mut document, binary) = triangle();
+    let half = 0.5_f64.sqrt();
+    let light = |i: u32| json!({"KHR_lights_punctual": {"light": i}});
+    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
+    document["nodes"] = json!([
+        {"mesh": 0},
+        {"camera": 0, "translation": [1, 2, 3], "rotation": [0, half, 0, half], "scale": [3, 3, 3], "name": "node"},
+        {"camera": 1},
+        {"extensions": light(0), "translation": [0, 4, 0]},
+        {"extensions": light(1)},
+    ]);
+    document["cameras"] = json!([
+        {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 1}},
+    ]);
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
+        {"type": "directional"},
+    ]}});
+    let model = read(&files, &(document.clone(), binary.clone()));
+    assert_eq!(model.cameras.len(), 1);
+    let camera = &model.cameras[0];
+    assert_eq!(camera.name.as_deref(), Some("node"));
+    assert_eq!(camera.eye, DVec3::new(1.0, 2.0, 3.0));
+    // A quarter turn about y takes -z to -x.
+    assert!((camera.look_at - camera.eye).abs_diff_eq(DVec3::NEG_X, 1e-12));
+    assert!(camera.up.abs_diff_eq(DVec3::Y, 1e-12));
+    assert_eq!(
+        (camera.vfov, camera.aperture, camera.focus),
+        (0.75, 0.0, None)
+    );
+    assert_eq!(model.lights.len(), 1);
+    assert_eq!(model.lights[0].position, 4.0 * DVec3::Y);
+    assert_eq!(model.lights[0].intensity, Rgb::new(8.0, 4.0, 2.0));
+    assert_eq!(model.warnings.len(), 2, "{:?}", model.warnings);
+    for (pointer, value, place) in [
+        (
+            "/cameras/0/perspective/yfov",
+            json!(0),
+            "/cameras/0/perspective/yfov",
+        ),
+        (
+            "/cameras/0/perspective/yfov",
+            json!(3.2),
+            "/cameras/0/perspective/yfov",
+        ),
+        (
+            "/cameras/0/perspective",
+            json!({}),
+            "/cameras/0/perspective",
+        ),
+        (
+            "/extensions/KHR_lights_punctual/lights/0/intensity",
+            json!(-1),
+            "/extensions/KHR_lights_punctual/lights/0",
+        ),
+        (
+            "/nodes/3/extensions/KHR_lights_punctual/light",
+            json!(2),
+            "/nodes/3/extensions/KHR_lights_punctual/light",
+        ),
+    ] {
+        let mut changed = document.clone();
+        set(&mut changed, pointer, value);
+        let error = files.error("a.glb", glb(&changed, &binary));
+        assert_eq!(
+            error.place().unwrap().pointer.as_deref(),
+            Some(place),
+            "{error}"
+        );
+    }
+}
