@@ -398,7 +398,7 @@ fn syntax_errors_point_at_the_token() {
         &format!("({CAMERA}, objects: []) «)"),
         &["the end of the file", "`)`"],
     );
-    fails("«", &["a value", "the end of the file"]);
+    fails(" «", &["a value", "the end of the file"]);
     fails("[«1, 2]", &["the fields of `Scene`"]);
     fails("«Scne(film: ())", &["the fields of `Scene`"]);
 }
@@ -431,10 +431,10 @@ fn json_errors_point_at_the_value_too() {
     fails("{\"Sphere\": «3}", &["the fields of `Sphere`"]);
     fails(
         "{\"Sphere\": {\"radius\": 3, «}}",
-        &["not valid JSON", "trailing comma"],
+        &["not valid JSON"],
     );
     fails(
-        "{\"Sphere\": {\"radius\": 3}} «// round",
+        "{\"Sphere\": {\"radius\": 3}} «/* round */",
         &["not valid JSON"],
     );
 }
