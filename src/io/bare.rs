@@ -21,10 +21,10 @@ const CAMERA: (f64, f64) = (30.0, 16.0);
 /// Share of the picture's half height and half width that stays free around the model.
 const MARGIN: f64 = 0.08;
 /// What lies around the studio.
-const ENVIRONMENT: f32 = 0.35;
+const ENVIRONMENT: f32 = 0.25;
 /// The lamps: degrees from the camera to the right and above the horizon, and the irradiance, in units of pi, on a
 /// surface that faces the lamp. Key, fill, rim.
-const LAMPS: [(f64, f64, f32); 3] = [(-55.0, 48.0, 0.75), (60.0, 30.0, 0.2), (160.0, 55.0, 0.5)];
+const LAMPS: [(f64, f64, f32); 3] = [(-55.0, 48.0, 0.65), (60.0, 30.0, 0.1), (160.0, 55.0, 0.4)];
 /// Distance and radius of a lamp, in radii of the model. Both scale with it, and so the exposure does not.
 const LAMP_DISTANCE: f64 = 3.4;
 const LAMP_RADIUS: f64 = 0.8;
@@ -186,7 +186,7 @@ fn lay_floor(scene: &mut Scene, point: DVec3) {
     let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
     let floor = Material {
         name: "studio floor".to_owned(),
-        surface: matt(0.6),
+        surface: matt(0.5),
         emission: Rgb::ZERO,
     };
     add(

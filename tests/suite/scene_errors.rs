@@ -398,7 +398,7 @@ fn syntax_errors_point_at_the_token() {
         &format!("({CAMERA}, objects: []) «)"),
         &["the end of the file", "`)`"],
     );
-    fails("«", &["a value", "the end of the file"]);
+    fails(" «", &["a value", "the end of the file"]);
     fails("[«1, 2]", &["the fields of `Scene`"]);
     fails("«Scne(film: ())", &["the fields of `Scene`"]);
 }
@@ -429,12 +429,9 @@ fn json_errors_point_at_the_value_too() {
         &["2 values"],
     );
     fails("{\"Sphere\": «3}", &["the fields of `Sphere`"]);
+    fails("{\"Sphere\": {\"radius\": 3, «}}", &["not valid JSON"]);
     fails(
-        "{\"Sphere\": {\"radius\": 3, «}}",
-        &["not valid JSON", "trailing comma"],
-    );
-    fails(
-        "{\"Sphere\": {\"radius\": 3}} «// round",
+        "{\"Sphere\": {\"radius\": 3}} «/* round */",
         &["not valid JSON"],
     );
 }
@@ -454,7 +451,10 @@ fn deep_nesting_is_an_error_and_no_overflow() {
 
 #[test]
 fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
-    let original: Vec<char> = super::scene_file::RON.chars().collect();
+    let originals = [
+        ("all.ron", super::scene_file::RON),
+        ("all.json", super::scene_file::JSON),
+    ];
     let pieces = [
         "(", ")", "[", "{", "\"", "\\u{", "-1", "1e999", "NaN", ",", ":", "é", "/*", "//", "#",
         "None", "r#\"", "\u{0}",
@@ -467,8 +467,9 @@ fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
         (state >> 33) as usize % below
     };
     let mut accepted = 0;
-    for _ in 0..2_000 {
-        let mut text = original.clone();
+    for i in 0..4_000 {
+        let (file, original) = originals[i % 2];
+        let mut text: Vec<char> = original.chars().collect();
         for _ in 0..=random(3) {
             let at = random(text.len());
             match random(4) {
@@ -485,7 +486,7 @@ fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
             }
         }
         let text: String = text.into_iter().collect();
-        match SceneDescription::from_text("all.ron", &text).and_then(|d| d.load()) {
+        match SceneDescription::from_text(file, &text).and_then(|d| d.load()) {
             Ok(_) => accepted += 1,
             Err(error) => {
                 let place = error.place().expect("a place");
@@ -495,8 +496,8 @@ fn no_mutation_of_a_scene_file_panics_or_loses_its_place() {
         }
     }
     assert!(
-        (10..1_500).contains(&accepted),
-        "{accepted} of 2000 mutations accepted"
+        (20..2_000).contains(&accepted),
+        "{accepted} of 4000 mutations accepted"
     );
 }
 

@@ -6,6 +6,8 @@
 mod fields;
 mod materials;
 mod objects;
+mod parser;
+mod strings;
 mod tree;
 mod values;
 mod view;
@@ -55,7 +57,7 @@ impl SceneDescription {
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
         };
         let json = (source.file.extension()).is_some_and(|e| e.eq_ignore_ascii_case("json"));
-        let description = tree::parse(&source.text).and_then(|root| {
+        let description = parser::parse(&source.text).and_then(|root| {
             conforms(&source.text, json)?;
             scene(&root)
         });
