@@ -62,7 +62,7 @@ fn dress_skirt(p: DVec3) -> f64 {
 /// Lace that shows below the hem.
 fn petticoat(p: DVec3) -> f64 {
     let lace = HEM - 0.031 + 0.006 * (2.0 * FOLDS * p.x.atan2(p.z)).cos();
-    meet(cloth(p, -0.012, lace), p.y - HEM - 0.035, 0.02)
+    meet(cloth(p, -0.02, lace), p.y - HEM - 0.035, 0.02)
 }
 
 /// A round collar lying on the bodice: two leaves in front, one behind.
@@ -87,19 +87,19 @@ pub(crate) fn parts() -> Vec<Part> {
         ),
         Part::new(
             Group::Dress,
-            0.0192,
+            0.0172,
             box_of(0.38, [0.42, 0.84], 0.36),
             dress_skirt,
         ),
         Part::new(
             Group::Tights,
-            0.0178,
+            0.0165,
             box_of(0.38, [0.38, 0.52], 0.36),
             petticoat,
         ),
         Part::new(
             Group::Tights,
-            0.0108,
+            0.0118,
             box_of(0.16, [0.96, 1.2], 0.16),
             collar,
         ),
@@ -126,7 +126,7 @@ pub(crate) fn parts() -> Vec<Part> {
         );
         let half = dvec3(0.07, 0.03, 0.07);
         let cuff = |p: DVec3| ring(p * dvec3(1.0, 0.75, 1.0), 0.041, 0.012);
-        parts.push(Part::new(Group::Tights, 0.0105, [-half, half], cuff).placed(place));
+        parts.push(Part::new(Group::Tights, 0.0115, [-half, half], cuff).placed(place));
     }
     for y in [0.995, 0.945, 0.895] {
         let mut z = 0.2;

@@ -154,12 +154,12 @@ fn braids(head: DAffine3) -> Vec<Part> {
         let brush: Vec<_> = [-0.22, 0.0, 0.04]
             .map(|bend| {
                 let fall = tie + tip + bend * dvec3(0.25, 0.3, 0.2);
-                Tube::through(&[(tie, 0.018), (tie + 0.45 * tip, 0.024), (fall, 0.006)], 5)
+                Tube::through(&[(tie, 0.018), (tie + 0.45 * tip, 0.024), (fall, 0.008)], 5)
             })
             .into();
         let mut tubes = strands;
         tubes.extend(brush);
-        parts.push(Part::tubes(Group::Hair, 0.0118, 0.004, tubes));
+        parts.push(Part::tubes(Group::Hair, 0.0123, 0.004, tubes));
         let axes = basis(tip, DVec3::Z);
         let tied = DAffine3::from_mat3_translation(axes, tie);
         let half = dvec3(0.055, 0.03, 0.055);
@@ -174,7 +174,7 @@ fn braids(head: DAffine3) -> Vec<Part> {
 pub(crate) fn parts(head: DAffine3) -> Vec<Part> {
     let bounds = [dvec3(-0.26, -0.2, -0.26), dvec3(0.26, 0.29, 0.26)];
     let mut parts = vec![
-        Part::new(Group::Hair, 0.0152, bounds, cap).placed(head),
+        Part::new(Group::Hair, 0.016, bounds, cap).placed(head),
         Part::tubes(Group::Hair, 0.011, 0.005, locks()).placed(head),
     ];
     parts.extend(braids(head));

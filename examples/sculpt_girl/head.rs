@@ -87,16 +87,16 @@ fn eye(side: f64) -> Vec<Part> {
         Part::ellipsoid(group, rings, centre, DMat3::IDENTITY, radii).placed(frame)
     };
     let mut parts = vec![
-        disc(Group::Tights, 13, DVec3::ZERO, white),
+        disc(Group::Tights, 12, DVec3::ZERO, white),
         disc(
             Group::Shoes,
-            14,
+            12,
             dvec3(look, -0.002, 0.0122),
             dvec3(0.0385, 0.0445, 0.0161),
         ),
         disc(
             Group::Dress,
-            14,
+            12,
             dvec3(look, -0.002, 0.0143),
             dvec3(0.034, 0.039, 0.0161),
         ),
@@ -181,7 +181,7 @@ fn mouth() -> Vec<Part> {
 /// The head with its face, in the head's own space.
 pub(crate) fn parts() -> Vec<Part> {
     let bounds = [dvec3(-0.23, -0.37, -0.22), dvec3(0.23, 0.24, 0.24)];
-    let mut parts = vec![Part::new(Group::Skin, 0.0165, bounds, head)];
+    let mut parts = vec![Part::new(Group::Skin, 0.0175, bounds, head)];
     for side in [-1.0, 1.0] {
         parts.extend(eye(side));
         let brow = [

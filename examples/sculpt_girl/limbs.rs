@@ -132,7 +132,7 @@ fn leg(leg: &'static Leg) -> Part {
     let inverse = place.inverse();
     let low = dvec3(leg.foot.x - 0.17, 0.005, -0.16);
     let high = dvec3(leg.foot.x + 0.14, 0.63, 0.24);
-    Part::new(Group::Tights, 0.0175, [low, high], move |p| {
+    Part::new(Group::Tights, 0.019, [low, high], move |p| {
         let thigh = rounded_cone(p, (leg.hip, 0.066), (leg.knee, 0.05));
         let shin = rounded_cone(p, (leg.knee, 0.05), (leg.ankle, 0.031));
         let calf = leg.knee.lerp(leg.ankle, 0.35) - 0.014 * DVec3::Z;
@@ -150,7 +150,7 @@ fn leg(leg: &'static Leg) -> Part {
 fn shoe(leg: &'static Leg) -> Part {
     let bounds = [dvec3(-0.09, -0.02, -0.1), dvec3(0.09, 0.15, 0.17)];
     let place = DAffine3::from_mat3_translation(DMat3::from_rotation_y(leg.turn), leg.foot);
-    Part::new(Group::Shoes, 0.0113, bounds, |p| {
+    Part::new(Group::Shoes, 0.0117, bounds, |p| {
         let toe = ellipsoid(p - dvec3(0.0, 0.036, 0.082), dvec3(0.05, 0.042, 0.06));
         let heel = ellipsoid(p - dvec3(0.0, 0.045, -0.018), dvec3(0.045, 0.052, 0.046));
         let upper = join(toe, heel, 0.05);

@@ -123,7 +123,8 @@ fn a_net_of_a_ball_has_its_volume_and_normals() {
     let ratio = volume(&net.positions, &net.triangles) / exact;
     assert!((0.995..1.0).contains(&ratio), "{ratio} of the volume");
     for (p, n) in net.positions.iter().zip(&net.normals) {
-        assert!((p.length() - 1.0).abs() < 1e-6, "{p} is off the ball");
+        // Only a vertex held back by its cell's margin, a twenty-fifth of 0.05, may miss the surface.
+        assert!((p.length() - 1.0).abs() < 0.002, "{p} is off the ball");
         assert!((*n - p.normalize()).length() < 1e-6, "{n} at {p}");
     }
 }
