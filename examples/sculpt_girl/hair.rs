@@ -44,9 +44,15 @@ fn cap(p: DVec3) -> f64 {
     hair
 }
 
+/// A point just above the skull over (x, y), found by walking onto it from in front and from the side.
+fn on_skull(x: f64, y: f64) -> DVec3 {
+    let outward = dvec3(0.2 * x.signum() * (x.abs() / 0.15).powi(4), 0.15, 1.0).normalize();
+    let start = dvec3(x, y, 0.6 * (0.2 - x.abs()).max(0.0) + 0.03);
+    (0..12).fold(start, |p, _| p - (skull(p) - 0.008) * outward)
+}
+
 /// Locks that start at the side parting and fall over the forehead, and one before each ear.
 fn locks() -> Vec<Tube> {
-    let root = |x: f64| dvec3(x, 0.225, 0.06);
     let mut locks = Vec::new();
     // (end x, end y, radius): to her right a long sweep, to her left a short one.
     let ends = [
@@ -62,19 +68,10 @@ fn locks() -> Vec<Tube> {
         (-0.18, -0.005, 0.031),
     ];
     for (x, y, radius) in ends {
-        let start = root(0.045 + 0.1 * (x - 0.03));
-        let out = |x: f64, y: f64| {
-            // The lock lies on the skull: push (x, y) out to its surface.
-            let mut p = dvec3(x, y, 0.6 * (0.2 - x.abs()).max(0.0) + 0.03);
-            for _ in 0..12 {
-                p += dvec3(0.2 * x.signum() * (x.abs() / 0.15).powi(4), 0.15, 1.0).normalize()
-                    * -(skull(p) - 0.008);
-            }
-            p
-        };
-        let middle = out(0.045 + 0.62 * (x - 0.045), 0.5 * (y + 0.2) + 0.022);
+        let start = dvec3(0.045 + 0.1 * (x - 0.03), 0.225, 0.06);
+        let middle = on_skull(0.045 + 0.62 * (x - 0.045), 0.5 * (y + 0.2) + 0.022);
         let middle = middle + 0.008 * middle.normalize();
-        let end = out(x, y);
+        let end = on_skull(x, y);
         locks.push(Tube::through(
             &[
                 (start, 0.02),

@@ -83,42 +83,47 @@ fn eye(side: f64) -> Vec<Part> {
     let frame = DAffine3::from_mat3_translation(axes, p - 0.018 * n);
     let look = -0.004 * side;
     let white = dvec3(0.049, 0.058, 0.027);
-    let disc = |group, rings, centre: DVec3, radii| {
-        Part::ellipsoid(group, rings, centre, DMat3::IDENTITY, radii).placed(frame)
-    };
-    let mut parts = vec![
-        disc(Group::Tights, 12, DVec3::ZERO, white),
-        disc(
+    // (group, rings, centre, semi-axes), from the white outward.
+    let discs = [
+        (Group::Tights, 12, [0.0, 0.0, 0.0], white.to_array()),
+        (
             Group::Shoes,
             12,
-            dvec3(look, -0.002, 0.0122),
-            dvec3(0.0385, 0.0445, 0.0161),
+            [look, -0.002, 0.0122],
+            [0.0385, 0.0445, 0.0161],
         ),
-        disc(
+        (
             Group::Dress,
             12,
-            dvec3(look, -0.002, 0.0143),
-            dvec3(0.034, 0.039, 0.0161),
+            [look, -0.002, 0.0143],
+            [0.034, 0.039, 0.0161],
         ),
-        disc(
+        (
             Group::Shoes,
             9,
-            dvec3(look, -0.002, 0.0205),
-            dvec3(0.0215, 0.026, 0.012),
+            [look, -0.002, 0.0205],
+            [0.0215, 0.026, 0.012],
         ),
-        disc(
+        (
             Group::Tights,
             6,
-            dvec3(0.011, 0.017, 0.0295),
-            dvec3(0.0095, 0.011, 0.006),
+            [0.011, 0.017, 0.0295],
+            [0.0095, 0.011, 0.006],
         ),
-        disc(
+        (
             Group::Tights,
             5,
-            dvec3(-0.012, -0.02, 0.0275),
-            dvec3(0.0052, 0.0058, 0.005),
+            [-0.012, -0.02, 0.0275],
+            [0.0052, 0.0058, 0.005],
         ),
     ];
+    let mut parts: Vec<_> = discs
+        .into_iter()
+        .map(|(group, rings, centre, radii)| {
+            Part::ellipsoid(group, rings, centre.into(), DMat3::IDENTITY, radii.into())
+                .placed(frame)
+        })
+        .collect();
     // The lashes follow the upper rim, where the white comes out of the skin.
     let rim = |degrees: f64, reach: f64, radius: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::part::{Group, Part};
 use crate::surface_nets::Surface;
 
+/// Colours are linear.
 const GROUPS: [(Group, obj::Material); 6] = [
     (
         Group::Skin,
@@ -63,8 +64,10 @@ const fn material(
 }
 
 fn girl() -> Vec<Part> {
+    // She looks a little to her left, her head on one side.
     let tilt = DQuat::from_euler(EulerRot::YXZ, 0.24, 0.02, -0.1);
     let head = DAffine3::from_rotation_translation(tilt, dvec3(0.012, 1.365, 0.018));
+    // Centred on the origin, and 1.65 tall.
     let stand = DAffine3::from_translation(dvec3(-0.025, 0.0, -0.014))
         * DAffine3::from_scale(DVec3::splat(1.024));
     let face = head::parts().into_iter().map(|part| part.placed(head));
