@@ -8,6 +8,7 @@ mod embree;
 mod exr;
 mod film;
 mod furnace;
+mod girl;
 mod layering;
 mod lights;
 mod loaders;
