@@ -283,7 +283,7 @@ impl RenderArgs {
             ("sampler", format!("{:?}", settings.sampler)),
             ("seed", settings.seed.to_string()),
             ("filter", format!("{:?}", settings.filter)),
-            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("solidtrace", env!("CARGO_PKG_VERSION").to_owned()),
         ];
         if !rendered.complete {
             metadata.push(("incomplete", "the render was stopped early".to_owned()));

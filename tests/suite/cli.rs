@@ -50,7 +50,7 @@ fn render_alone_writes_exr_and_png_and_ends_with_a_line_of_figures() {
     let folder = folder_with_scene();
     let output = run(folder.path(), &["render", "room.ron"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let line = String::from_utf8(output.stdout).unwrap();
+    let line = String::from_utf8(output.stdout.clone()).unwrap();
     assert!(line.contains("40x30") && line.contains("Mrays/s"), "{line}");
     let image = read_exr(&folder.path().join("room.exr")).unwrap();
     assert_eq!((image.width, image.height), (40, 30));
@@ -65,7 +65,7 @@ fn render_alone_writes_exr_and_png_and_ends_with_a_line_of_figures() {
     };
     assert_eq!(noted("spp"), "5");
     assert_eq!(noted("scene"), "room.ron");
-    assert_eq!(noted("version"), env!("CARGO_PKG_VERSION"));
+    assert_eq!(noted("solidtrace"), env!("CARGO_PKG_VERSION"));
     assert!(noted("camera").contains("eye"));
     assert!(
         fs::read(folder.path().join("room.png"))
