@@ -52,7 +52,7 @@ fn fails(marked: &str, parts: &[&str]) {
 #[track_caller]
 fn object_fails(object: &str, parts: &[&str]) {
     let scene = format!(
-        "Scene(\n    {CAMERA}, // é\n    materials: {{\"green\": Mirror(), \"red\": Mirror()}},\n    definitions: {{\"bolt\": Sphere(radius: 1)}},\n    objects: [\n        Sphere(radius: 1), {object},\n    ],\n)"
+        "Scene(\n    {CAMERA}, // é\n    materials: {{\"green\": Mirror(), \"red\": Mirror()}},\n    definitions: {{\"bolt\": Sphere(radius: 1)}},\n    objects: [\n        Sphere(radius: 1), /* é */ {object},\n    ],\n)"
     );
     fails(&scene, parts);
 }
