@@ -277,7 +277,7 @@ fn own_cameras_and_lights_are_kept() {
             .all(|i| i.shape != Shape::Solid(Solid::Plane))
     );
 
-    own.lights = vec![light.clone()];
+    own.lights = vec![light];
     let scene = bare_scene(own, false).unwrap();
     assert_eq!(scene.lights, [light]);
     assert_eq!(scene.instances.len(), 1);

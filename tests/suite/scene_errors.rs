@@ -52,7 +52,7 @@ fn fails(marked: &str, parts: &[&str]) {
 #[track_caller]
 fn object_fails(object: &str, parts: &[&str]) {
     let scene = format!(
-        "Scene(\n    {CAMERA}, // é\n    materials: {{\"green\": Mirror(), \"red\": Mirror()}},\n    definitions: {{\"bolt\": Sphere(radius: 1)}},\n    objects: [\n        Sphere(radius: 1), {object},\n    ],\n)"
+        "Scene(\n    {CAMERA}, // é\n    materials: {{\"green\": Mirror(), \"red\": Mirror()}},\n    definitions: {{\"bolt\": Sphere(radius: 1)}},\n    objects: [\n        Sphere(radius: 1), /* é */ {object},\n    ],\n)"
     );
     fails(&scene, parts);
 }
@@ -374,10 +374,10 @@ fn definitions_must_not_contain_themselves() {
         ),
         &["contains itself", "`a` → `b` → `a`"],
     );
-    let chain: String = (0..500)
+    let chain: Vec<String> = (0..500)
         .map(|i| format!("\"d{i}\": Instance(of: \"d{}\"),\n", i + 1))
         .collect();
-    let chain = chain.replace("of: \"d64\"", "of: «\"d64\"");
+    let chain = chain.concat().replace("of: \"d64\"", "of: «\"d64\"");
     fails(
         &format!("({CAMERA}, objects: [], definitions: {{\n{chain} \"d500\": Sphere(radius: 1)}})"),
         &["more than 64 definitions"],

@@ -11,7 +11,7 @@ use solidtrace::scene::{IntegratorSettings, Scene, SceneDescription};
 use solidtrace::texture::Texture;
 
 /// Every construct of the format once.
-pub const RON: &str = r##"#![enable(implicit_some)]
+pub const RON: &str = r#"#![enable(implicit_some)]
 /* block /* nested */ comment */
 Scene(
     film: (size: (640, 480), spp: 16, filter: Gaussian(radius: 1.5), tonemap: None),
@@ -46,7 +46,7 @@ Scene(
         "shaft": Cylinder(from: (1, 0, 0), to: (1, 3, 0), radius: 0.5, transform: [Translate((0, 1, 0))]),
     },
 )
-"##;
+"#;
 
 /// The same in JSON.
 pub const JSON: &str = r#"{
@@ -282,9 +282,9 @@ fn escapes_mean_what_the_formats_say() {
             .clone()
             .unwrap()
     };
-    let ron = r##"(cameras: {"a\u{1F600}\x41\n\\": Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45)}, objects: [])"##;
+    let ron = r#"(cameras: {"a\u{1F600}\x41\n\\": Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45)}, objects: [])"#;
     assert_eq!(named("a.ron", ron), "a\u{1F600}A\n\\");
-    let raw = r###"(cameras: {r#"b\"c"#: Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45)}, objects: [])"###;
+    let raw = r##"(cameras: {r#"b\"c"#: Perspective(eye: (0, 0, 1), look_at: (0, 0, 0), vfov: 45)}, objects: [])"##;
     assert_eq!(named("a.ron", raw), "b\\\"c");
     let json = r#"{"cameras": {"\uD83D\uDE00\u00e9\/": {"Perspective": {"eye": [0, 0, 1], "look_at": [0, 0, 0], "vfov": 45}}}, "objects": []}"#;
     assert_eq!(named("a.json", json), "\u{1F600}é/");
