@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example watertight -- --rays 100000000`
 
+#![allow(unreachable_pub)] // Two files are shared with the test suite.
+
 use std::process::ExitCode;
 use std::time::Instant;
 

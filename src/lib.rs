@@ -3,6 +3,8 @@
 pub mod accel;
 pub mod bsdf;
 pub mod camera;
+#[cfg(feature = "embree")]
+pub mod check;
 pub mod cli;
 pub mod color;
 #[cfg(feature = "embree")]

@@ -56,17 +56,17 @@ fetch() {
     local keyring=/usr/share/keyrings/debian-archive-keyring.gpg
     local apt="$folder/apt" mirrors mirror deb
     mkdir -p "$apt/lists/partial" "$apt/archives/partial"
-    local own=(-qq -oDebug::NoLocking=true -oDir::State::Lists="$apt/lists")
     local options=(
-        "${own[@]}" -oDir::State="$apt" -oDir::State::status="$status" -oDir::Cache="$apt"
+        -qq -oDebug::NoLocking=true
+        -oDir::State="$apt" -oDir::State::Lists="$apt/lists" -oDir::State::status="$status" -oDir::Cache="$apt"
         -oDir::Etc::SourceList="$apt/sources.list" -oDir::Etc::SourceParts=/dev/null
         -oDir::Etc::Preferences=/dev/null -oDir::Etc::PreferencesParts=/dev/null
         -oAPT::Default-Release="$suite" -oAPT::Update::Error-Mode=any -oAPT::Sandbox::User=root
         -oAcquire::Languages=none -oAcquire::http::Timeout=30 -oAcquire::https::Timeout=30
     )
     # The machine's own mirrors; an archive that is not Debian's fails at the keyring and is passed over.
-    mirrors=$(apt-get "${own[@]}" update --print-uris |
-        sed -nE "s#^'(.*)/dists/($VERSION_CODENAME|(old)*stable)/InRelease'.*#\1#p") || true
+    mirrors=$(apt-get indextargets --no-release-info --format '$(SITE) $(RELEASE)' |
+        awk -v suite="$VERSION_CODENAME" '$2 == suite || $2 ~ /^(old)*stable$/ { print $1 }' | sort -u) || true
     for mirror in $mirrors; do
         printf 'deb [signed-by=%s arch=%s target=Packages] %s %s main\n' \
             "$keyring" "$(dpkg --print-architecture)" "$mirror" "$suite" >"$apt/sources.list"

@@ -52,7 +52,7 @@ impl Accel {
     /// Where a mesh is invalid or has no triangle with an area.
     pub fn build(meshes: &[Mesh], placed: Vec<Placed>) -> Result<Self> {
         let meshes = (meshes.iter())
-            .map(|mesh| MeshTree::build(mesh))
+            .map(MeshTree::build)
             .collect::<Result<Vec<_>>>()?;
         let (mut bounded, mut boxes, mut planes) = (Vec::new(), Vec::new(), Vec::new());
         for (i, p) in placed.iter().enumerate() {

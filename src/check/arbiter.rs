@@ -48,7 +48,11 @@ impl<'a> Arbiter<'a> {
             }
         }
         let Some((t, primitive)) = answer else {
-            return if nearest.is_finite() { Verdict::Wrong } else { Verdict::Right };
+            return if nearest.is_finite() {
+                Verdict::Wrong
+            } else {
+                Verdict::Right
+            };
         };
         let wrong = match self.test(ray, primitive) {
             Answer::Miss => true,
@@ -57,7 +61,11 @@ impl<'a> Arbiter<'a> {
                 (own - t).abs() > tolerance * t.abs() || nearest < t * (1.0 - tolerance)
             }
         };
-        if wrong { Verdict::Wrong } else { Verdict::Right }
+        if wrong {
+            Verdict::Wrong
+        } else {
+            Verdict::Right
+        }
     }
 
     fn test(&self, ray: &Ray, primitive: u32) -> Answer {

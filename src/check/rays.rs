@@ -75,7 +75,10 @@ impl<'a> RayMaker<'a> {
             }
             RayClass::Axis => {
                 let through = self.corner(rng);
-                let (axis, sign) = (rng.random_range(0..3), if rng.random() { 1.0 } else { -1.0 });
+                let (axis, sign) = (
+                    rng.random_range(0..3),
+                    if rng.random() { 1.0 } else { -1.0 },
+                );
                 let mut origin = through;
                 origin[axis] = self.center[axis] - sign * 1.5 * self.radius;
                 let mut direction = DVec3::ZERO;
@@ -98,7 +101,11 @@ impl<'a> RayMaker<'a> {
         };
         let [a, b, c] = self.mesh.corners(hit.primitive).map(Vec3::as_dvec3);
         let n = (b - a).cross(c - a).normalize().as_vec3();
-        let n = if n.as_dvec3().dot(ray.direction) > 0.0 { -n } else { n };
+        let n = if n.as_dvec3().dot(ray.direction) > 0.0 {
+            -n
+        } else {
+            n
+        };
         let local = cosine_hemisphere(Vec2::new(rng.random(), rng.random()));
         let lifted = ray.at(hit.t) + 1e-4 * self.radius * n.as_dvec3();
         exact(lifted, Frame::around(n).to_world(local).as_dvec3())

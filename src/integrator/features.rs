@@ -19,7 +19,7 @@ pub enum FeatureIntegrator {
     Flat,
     /// The share of the cosine-weighted hemisphere that is open up to `radius`.
     Ao {
-        /// How far away an occluder counts; `None` is any distance.
+        /// How far away an occluder counts; `None` is a quarter of the diagonal of all but planes.
         radius: Option<f64>,
     },
 }
@@ -67,7 +67,7 @@ impl FeatureIntegrator {
                 let local = cosine_hemisphere(Vec2::new(u, v));
                 let direction = Frame::around(facing(point.ng)).to_world(local);
                 let mut ray = point.spawn(direction);
-                ray.tmax = radius.unwrap_or(f64::INFINITY);
+                ray.tmax = radius.unwrap_or_else(|| 0.25 * world.bounds().size().length());
                 Rgb::splat(if world.occluded(&ray) { 0.0 } else { 1.0 })
             }
         }

@@ -299,6 +299,7 @@ impl<'a> Loader<'a> {
             "move it into the scene's folder, or allow its own with `--allow-path {allow}`"
         )))
     }
+
     /// The help for a file that is not in its folder: another there whose name is much like it.
     fn neighbour(&self, path: &Path) -> Option<String> {
         let folder = path.parent()?.canonicalize().ok()?;

@@ -110,7 +110,7 @@ pub enum IntegratorSettings {
     Flat,
     /// Ambient occlusion: the share of the cosine-weighted hemisphere that is open.
     Ao {
-        /// How far away an occluder counts; `None` is any distance.
+        /// How far away an occluder counts; `None` is a quarter of the diagonal of all but planes.
         radius: Option<f64>,
     },
 }

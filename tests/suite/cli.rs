@@ -1,5 +1,6 @@
 //! The program as people run it: exit codes, files, messages.
 
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -146,18 +147,14 @@ fn wrong_usage_is_exit_code_2_and_wrong_input_1() {
     assert_eq!(code(&["render", "room.ron", "-o", "room.jpg"]), Some(2));
     assert_eq!(code(&["render", "missing.ron"]), Some(1));
     assert_eq!(code(&["info", "missing.obj"]), Some(1));
-    fs::write(
-        path.join("bad.ron"),
-        SCENE.replace("radius: 0.4", "radius: -0.4"),
-    )
-    .unwrap();
+    let bad = SCENE.replace("radius: 0.4", "radius: -0.4");
+    let line = 1 + bad.lines().position(|l| l.contains("-0.4")).unwrap();
+    fs::write(path.join("bad.ron"), bad).unwrap();
     let output = run(path, &["render", "bad.ron"]);
     assert_eq!(output.status.code(), Some(1));
     let text = stderr(&output);
-    assert!(
-        text.contains("bad.ron:15:") && text.contains("-0.4"),
-        "{text}"
-    );
+    assert!(text.contains(&format!("bad.ron:{line}:43")), "{text}");
+    assert!(text.contains("`-0.4` must be above 0"), "{text}");
     assert!(
         fs::read_dir(path).unwrap().count() == 2,
         "no output was touched"
@@ -242,7 +239,8 @@ fn trace_answers_every_ray_as_the_library_does() {
             f64::from(i % 37) / 30.0 - 0.6,
         );
         let tmax = if i % 10 == 0 { "4.5" } else { "inf" };
-        rays += &format!("0,1,5,{x},{y},-2.5,{},{tmax}\n", f64::from(i % 3));
+        let tmin = i % 3;
+        writeln!(rays, "0,1,5,{x},{y},-2.5,{tmin},{tmax}").unwrap();
     }
     fs::write(path.join("rays.csv"), rays).unwrap();
     let output = run(path, &["trace", "room.ron", "rays.csv", "-o", "hits.csv"]);

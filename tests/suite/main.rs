@@ -9,6 +9,8 @@ mod exr;
 mod film;
 mod furnace;
 mod girl;
+#[cfg(feature = "embree")]
+mod hits;
 mod layering;
 mod lights;
 mod loaders;

@@ -1,12 +1,14 @@
 //! Scenes made in code, and renders of them, for the tests.
 
+#[cfg(feature = "embree")]
+pub mod comparison;
 pub mod leaks;
 pub mod meshes;
 
 use glam::{DAffine3, DVec3};
 use solidtrace::camera::Camera;
 use solidtrace::color::{Rgb, Tonemap};
-use solidtrace::film::{Filter, Rect};
+use solidtrace::film::{Filter, PixelSum, Rect};
 use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
 use solidtrace::integrator::{Integrator, integrator};
 use solidtrace::light::PointLight;
@@ -153,7 +155,7 @@ pub fn shoot_with(world: &World, integrator: &dyn Integrator, shot: Shot) -> Vec
         [],
         "no sample may be anything but a finite number"
     );
-    rendered.film.pixels().iter().map(|p| p.mean()).collect()
+    rendered.film.pixels().iter().map(PixelSum::mean).collect()
 }
 
 /// Mean and standard deviation.
