@@ -1,18 +1,12 @@
 //! Linear RGB with Rec. 709 primaries, and the curves that turn it into what a file or screen wants.
 
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 
 /// Linear RGB, Rec. 709 primaries, D65 white; unbounded above.
 pub type Rgb = Vec3;
 
-/// Relative luminance (ITU-R BT.709).
-pub fn luminance(c: Rgb) -> f32 {
-    c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
 /// From linear light to what an 8-bit file stores.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tonemap {
     /// The piecewise curve of IEC 61966-2-1.
     #[default]

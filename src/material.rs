@@ -1,7 +1,5 @@
 //! What a surface is made of: a way to scatter, and light of its own.
 
-use serde::{Deserialize, Serialize};
-
 use crate::color::Rgb;
 use crate::texture::Texture;
 
@@ -56,7 +54,7 @@ pub enum Surface {
 }
 
 /// Which reflectance a dielectric uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fresnel {
     /// All light is refracted; only total internal reflection reflects.
     None,

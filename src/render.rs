@@ -12,6 +12,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{Film, Filter, Rect};
 use crate::integrator::{CameraRay, Integrator};
 use crate::sampling::{Sampler, SamplerKind};
+use crate::scene::Scene;
 use crate::world::World;
 
 /// What to render. The picture is a function of these (and the scene) except for `threads` and
@@ -34,6 +35,22 @@ pub struct RenderSettings {
     pub threads: usize,
     /// Edge of the square tiles that workers take, in pixels.
     pub tile_size: u32,
+}
+
+impl RenderSettings {
+    /// The whole picture as `scene` asks for it, on all cores.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            size: scene.film.size,
+            area: Rect::of_size(scene.film.size),
+            samples: 0..scene.film.spp,
+            filter: scene.film.filter,
+            sampler: SamplerKind::default(),
+            seed: 0,
+            threads: 0,
+            tile_size: 32,
+        }
+    }
 }
 
 /// Watches a render, and may end it early.

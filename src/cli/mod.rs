@@ -4,6 +4,7 @@ mod info;
 mod progress;
 mod render;
 mod trace;
+mod values;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

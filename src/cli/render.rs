@@ -17,6 +17,7 @@ use crate::scene::{IntegratorSettings, Scene};
 use crate::world::World;
 
 use super::progress::{Progress, catch_interrupts, interrupted};
+use super::values::{parse_crop, parse_samples, parse_size, parse_time};
 use super::{INTERRUPTED, InputArgs, grouped, warn};
 
 #[derive(Args)]
@@ -240,12 +241,10 @@ impl RenderArgs {
             let message = format!("--crop reaches outside of the picture, {w}x{h}");
             return Err(Error::new(ErrorKind::Usage, message));
         }
-        let samples = self.samples.map_or(0..scene.film.spp, |(a, b)| a..b);
+        let whole = RenderSettings::of(scene);
         Ok(RenderSettings {
-            size: scene.film.size,
             area,
-            samples,
-            filter: scene.film.filter,
+            samples: self.samples.map_or(whole.samples, |(a, b)| a..b),
             sampler: match self.sampler {
                 SamplerName::Sobol => SamplerKind::Sobol,
                 SamplerName::Independent => SamplerKind::Independent,
@@ -253,6 +252,7 @@ impl RenderArgs {
             seed: self.seed,
             threads: self.threads,
             tile_size: self.tile_size,
+            ..whole
         })
     }
 
@@ -384,38 +384,4 @@ fn closing_line(
         grouped(rendered.rays),
         rendered.rays as f64 / seconds.max(1e-9) / 1e6,
     )
-}
-
-fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
-    let side = |s: &str| s.parse().ok().filter(|n| (1..=65536).contains(n));
-    text.split_once('x')
-        .and_then(|(w, h)| Some((side(w)?, side(h)?)))
-        .ok_or_else(|| "expected width and height from 1 to 65536, as 1280x720".to_owned())
-}
-
-fn parse_samples(text: &str) -> std::result::Result<(u32, u32), String> {
-    text.split_once("..")
-        .and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)))
-        .filter(|(a, b)| a < b)
-        .ok_or_else(|| "expected a first sample and a larger end, as 0..64".to_owned())
-}
-
-fn parse_crop(text: &str) -> std::result::Result<[u32; 4], String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|s| s.trim().parse().ok()).collect();
-    numbers
-        .and_then(|n| <[u32; 4]>::try_from(n).ok())
-        .filter(|[x0, y0, x1, y1]| x0 < x1 && y0 < y1)
-        .ok_or_else(|| "expected left,top,right,bottom in pixels, as 0,0,640,360".to_owned())
-}
-
-fn parse_time(text: &str) -> std::result::Result<Duration, String> {
-    let (number, seconds) = match text.char_indices().last() {
-        Some((end, 's')) => (&text[..end], 1.0),
-        Some((end, 'm')) => (&text[..end], 60.0),
-        Some((end, 'h')) => (&text[..end], 3600.0),
-        _ => (text, 1.0),
-    };
-    (number.parse::<f64>().ok())
-        .and_then(|n| Duration::try_from_secs_f64(n * seconds).ok())
-        .ok_or_else(|| "expected a time as 90s, 10m or 1h".to_owned())
 }

@@ -8,7 +8,7 @@ pub mod meshes;
 use glam::{DAffine3, DVec3};
 use solidtrace::camera::Camera;
 use solidtrace::color::{Rgb, Tonemap};
-use solidtrace::film::{Filter, PixelSum, Rect};
+use solidtrace::film::{Filter, PixelSum};
 use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
 use solidtrace::integrator::{Integrator, integrator};
 use solidtrace::light::PointLight;
@@ -139,14 +139,10 @@ pub fn shoot(world: &World, shot: Shot) -> Vec<Rgb> {
 pub fn shoot_with(world: &World, integrator: &dyn Integrator, shot: Shot) -> Vec<Rgb> {
     let scene = world.scene();
     let settings = RenderSettings {
-        size: scene.film.size,
-        area: Rect::of_size(scene.film.size),
         samples: 0..shot.spp,
-        filter: scene.film.filter,
         sampler: shot.sampler,
         seed: shot.seed,
-        threads: 0,
-        tile_size: 16,
+        ..RenderSettings::of(scene)
     };
     let lens = scene.cameras[0].lens(scene.film.size).unwrap();
     let rendered = render(world, &lens, integrator, &settings, &()).unwrap();

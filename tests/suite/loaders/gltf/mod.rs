@@ -5,6 +5,7 @@ mod damage;
 mod errors;
 mod geometry;
 mod material;
+mod peer;
 mod scene;
 
 use serde_json::{Value, json};
