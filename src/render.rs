@@ -91,11 +91,14 @@ pub struct Rendered {
     pub bad: Vec<BadSample>,
 }
 
+/// More pixels would take the film beyond 8 GiB.
+const MOST_PIXELS: u64 = 1 << 27;
+
 /// Renders. The film's bits depend on neither threads nor tiles: each sample has its own random
 /// numbers, and sums are exact.
 ///
 /// # Errors
-/// Where the threads cannot be started.
+/// Where the picture is too large, or the threads cannot be started.
 pub fn render(
     world: &World,
     lens: &Lens,
@@ -103,6 +106,11 @@ pub fn render(
     settings: &RenderSettings,
     observer: &dyn Observer,
 ) -> Result<Rendered> {
+    let (width, height) = settings.size;
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let message = format!("{width}x{height} are more than {MOST_PIXELS} pixels");
+        return Err(Error::new(ErrorKind::Usage, message).help("render a smaller size"));
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads)
         .build()

@@ -17,6 +17,8 @@ pub enum Verdict {
 #[derive(Debug)]
 pub struct Arbiter<'a> {
     mesh: &'a Mesh,
+    /// A sphere around each triangle: centre and squared radius, generously rounded up.
+    spheres: Vec<(DVec3, f64)>,
 }
 
 /// One triangle's answer.
@@ -24,29 +26,52 @@ pub struct Arbiter<'a> {
 enum Answer {
     Miss,
     /// Within rounding of an edge.
-    Perhaps(f64),
+    Perhaps,
     Hit(f64),
 }
 
 impl<'a> Arbiter<'a> {
     /// Judges rays against `mesh`.
     pub fn new(mesh: &'a Mesh) -> Self {
-        Self { mesh }
+        let spheres = (0..mesh.triangles.len() as u32).map(|i| {
+            let corners = mesh.corners(i).map(Vec3::as_dvec3);
+            let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let radius2 = corners.map(|p| p.distance_squared(center));
+            (center, 1.001 * radius2.into_iter().fold(0.0, f64::max))
+        });
+        Self {
+            mesh,
+            spheres: spheres.collect(),
+        }
     }
 
-    /// Judges the answer `(t, primitive)`, or a miss. A hit is wrong where its triangle is certainly
-    /// not met, its `t` differs by more than the part `tolerance`, or a certain hit lies before it by
-    /// more than that; a miss is wrong where there is a certain hit.
-    pub fn judge(&self, ray: &Ray, answer: Option<(f64, u32)>, tolerance: f64) -> Verdict {
-        let mut nearest = f64::INFINITY;
-        for primitive in 0..self.mesh.triangles.len() as u32 {
-            if let Answer::Hit(t) = self.test(ray, primitive)
-                && t > ray.tmin
-                && t < ray.tmax
-            {
-                nearest = nearest.min(t);
-            }
-        }
+    /// The nearest certain hit in `tmin..tmax`; infinite where there is none.
+    pub fn nearest(&self, ray: &Ray) -> f64 {
+        let d2 = ray.direction.length_squared();
+        let near = |(center, radius2): &(DVec3, f64)| {
+            let off = (*center - ray.origin).cross(ray.direction);
+            off.length_squared() <= radius2 * d2
+        };
+        (self.spheres.iter().zip(0_u32..))
+            .filter(|(sphere, _)| near(sphere))
+            .filter_map(|(_, primitive)| match self.test(ray, primitive) {
+                Answer::Hit(t) if t > ray.tmin && t < ray.tmax => Some(t),
+                _ => None,
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Judges the answer `(t, primitive)`, or a miss, knowing the [`Arbiter::nearest`] certain hit. A hit
+    /// is wrong where its triangle is certainly not met, its `t` differs by more than the part
+    /// `tolerance`, or a certain hit lies before it by more than that; a miss is wrong where there is a
+    /// certain hit.
+    pub fn judge(
+        &self,
+        ray: &Ray,
+        nearest: f64,
+        answer: Option<(f64, u32)>,
+        tolerance: f64,
+    ) -> Verdict {
         let Some((t, primitive)) = answer else {
             return if nearest.is_finite() {
                 Verdict::Wrong
@@ -56,7 +81,7 @@ impl<'a> Arbiter<'a> {
         };
         let wrong = match self.test(ray, primitive) {
             Answer::Miss => true,
-            Answer::Perhaps(_) => nearest < t * (1.0 - tolerance),
+            Answer::Perhaps => nearest < t * (1.0 - tolerance),
             Answer::Hit(own) => {
                 (own - t).abs() > tolerance * t.abs() || nearest < t * (1.0 - tolerance)
             }
@@ -88,7 +113,7 @@ impl<'a> Arbiter<'a> {
         if t.is_finite() && (certain(1.0) || certain(-1.0)) {
             Answer::Hit(t)
         } else {
-            Answer::Perhaps(t)
+            Answer::Perhaps
         }
     }
 }

@@ -145,11 +145,11 @@ impl<'a> Comparison<'a> {
     }
 
     fn judge(&self, ray: &Ray, ours: Option<&Hit>, theirs: Option<&EmbreeHit>, tally: &mut Tally) {
-        let a = self
-            .arbiter
-            .judge(ray, ours.map(|h| (h.t, h.primitive)), 1e-9);
+        let nearest = self.arbiter.nearest(ray);
+        let our_hit = ours.map(|h| (h.t, h.primitive));
+        let a = self.arbiter.judge(ray, nearest, our_hit, 1e-9);
         let their_hit = theirs.map(|h| (f64::from(h.t), h.primitive));
-        let b = self.arbiter.judge(ray, their_hit, 1e-3);
+        let b = self.arbiter.judge(ray, nearest, their_hit, 1e-3);
         tally.ours_wrong += u64::from(a == Verdict::Wrong);
         tally.embree_wrong += u64::from(b == Verdict::Wrong);
         tally.ties += u64::from(a != Verdict::Wrong && b != Verdict::Wrong);

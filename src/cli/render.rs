@@ -49,7 +49,7 @@ pub(super) struct RenderArgs {
     #[arg(long, default_value_t = 0)]
     threads: usize,
     /// Edge of the tiles that workers take, in pixels; never changes the picture
-    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=256))]
     tile_size: u32,
     /// How light is transported [default: the scene's]
     #[arg(long, value_enum)]

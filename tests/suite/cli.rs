@@ -145,6 +145,10 @@ fn wrong_usage_is_exit_code_2_and_wrong_input_1() {
         Some(2)
     );
     assert_eq!(code(&["render", "room.ron", "-o", "room.jpg"]), Some(2));
+    assert_eq!(
+        code(&["render", "room.ron", "--size", "65536x65536"]),
+        Some(2)
+    );
     assert_eq!(code(&["render", "missing.ron"]), Some(1));
     assert_eq!(code(&["info", "missing.obj"]), Some(1));
     let bad = SCENE.replace("radius: 0.4", "radius: -0.4");

@@ -71,22 +71,27 @@ fn the_arbiter_knows_right_from_wrong() {
         .intersect(&ray)
         .unwrap();
     let arbiter = Arbiter::new(&mesh);
-    let judge = |answer| arbiter.judge(&ray, answer, 1e-9);
+    let nearest = arbiter.nearest(&ray);
+    assert!((nearest - hit.t).abs() < 1e-12);
+    let judge = |answer| arbiter.judge(&ray, nearest, answer, 1e-9);
     assert_eq!(judge(Some((hit.t, hit.primitive))), Verdict::Right);
     assert_eq!(judge(Some((hit.t * 1.001, hit.primitive))), Verdict::Wrong);
     assert_eq!(judge(Some((hit.t, hit.primitive + 1))), Verdict::Wrong);
     assert_eq!(judge(None), Verdict::Wrong);
-    let beyond = (0..mesh.triangles.len() as u32).find_map(|i| {
-        let far = Ray {
-            tmin: hit.t + 0.1,
-            ..ray
-        };
-        let t = (arbiter.judge(&far, None, 0.0) == Verdict::Wrong).then_some(i)?;
-        Some(t)
-    });
-    assert!(beyond.is_some(), "the far side is there as well");
+    let far = Ray {
+        tmin: hit.t + 0.1,
+        ..ray
+    };
+    assert!(
+        arbiter.nearest(&far) > far.tmin,
+        "the far side is there as well"
+    );
     let away = Ray::new(ray.origin, DVec3::Z);
-    assert_eq!(arbiter.judge(&away, None, 1e-9), Verdict::Right);
+    assert_eq!(arbiter.nearest(&away), f64::INFINITY);
+    assert_eq!(
+        arbiter.judge(&away, f64::INFINITY, None, 1e-9),
+        Verdict::Right
+    );
 }
 
 /// A solid in its place, intersected by code of its own: dense steps along the ray and bisection on the
