@@ -126,6 +126,28 @@ fn white_meshes_vanish_in_a_white_environment() {
     }
 }
 
+#[test]
+fn radiance_inside_glass_is_the_index_squared_as_high() {
+    for fresnel in [Fresnel::Exact, Fresnel::Schlick, Fresnel::None] {
+        let mut scene = empty_scene();
+        scene.environment = Rgb::ONE;
+        let glass = scene.material(Surface::Dielectric { ior: 1.5, fresnel }, 0.0);
+        // From the centre every ray meets the surface head-on, so nothing is trapped.
+        scene.solid(Solid::Sphere { radius: 1.0 }, glass, DVec3::ZERO);
+        let shot = Shot {
+            spp: 16,
+            sampler: SAMPLERS[0],
+            seed: 0,
+        };
+        for pixel in shoot(&scene.world(), shot) {
+            assert!(
+                (pixel - 2.25).abs().max_element() < 1e-5,
+                "{fresnel:?}: {pixel}"
+            );
+        }
+    }
+}
+
 /// A closed box whose walls emit 0.5 and reflect half: 0.5 + 0.25 + ... = 1 everywhere inside.
 fn glowing_box(analytic: bool) -> Scene {
     let mut scene = empty_scene();

@@ -12,7 +12,7 @@ use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 use solidtrace::world::World;
 
-use crate::support::meshes::box_mesh;
+use crate::support::meshes::{box_mesh, moved, sphere_mesh};
 use crate::support::{
     Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot, shoot_with, statistics,
 };
@@ -275,6 +275,10 @@ fn mixed() -> Scene {
         lamp,
         DVec3::new(1.6, 1.2, -0.5),
     );
+    // Few faces under smooth normals: both strategies must fold directions back alike.
+    let mut bent = moved(sphere_mesh(5, |_| 1.0), 0.5, Vec3::new(-0.4, 0.5, 2.0));
+    bent.normals = sphere_mesh(5, |_| 1.0).positions;
+    scene.mesh(bent, white);
     scene.mesh(
         box_mesh(Vec3::new(-0.5, 2.4, -0.5), Vec3::new(0.8, 2.5, 0.6)),
         lamp,

@@ -22,4 +22,5 @@ mod scene_errors;
 mod scene_file;
 mod solids;
 mod support;
+mod surface;
 mod watertight;

@@ -1,0 +1,151 @@
+//! Points, normals and sides of surfaces under transforms.
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use solidtrace::geometry::{Shape, Solid};
+use solidtrace::math::Ray;
+
+use crate::support::meshes::{moved, sphere_mesh};
+use crate::support::{Build, diffuse, empty_scene};
+
+/// Squashed, turned and moved; mirrored where `sign` is -1.
+fn place(sign: f64) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.0, 2.0, sign * 0.5),
+        DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0),
+        DVec3::new(3.0, -1.0, 2.0),
+    )
+}
+
+/// Outward normal of the image of the unit sphere at `p`: the gradient of |place⁻¹ p|².
+fn ellipsoid_normal(place: DAffine3, p: DVec3) -> DVec3 {
+    let inverse = place.inverse();
+    let local = inverse.transform_point3(p);
+    (inverse.matrix3.transpose() * local).normalize()
+}
+
+fn rays(place: DAffine3) -> impl Iterator<Item = Ray> {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    std::iter::repeat_with(move || {
+        let mut coordinate = || rng.random_range(-1.0..1.0);
+        let (a, b) = (
+            4.0 * DVec3::new(coordinate(), coordinate(), coordinate()),
+            0.5 * DVec3::new(coordinate(), coordinate(), coordinate()),
+        );
+        let (from, to) = (place.transform_point3(a), place.transform_point3(b));
+        Ray::new(from, to - from)
+    })
+    .take(2000)
+}
+
+#[test]
+fn a_squashed_sphere_has_the_normals_of_its_ellipsoid() {
+    for sign in [1.0, -1.0] {
+        let mut scene = empty_scene();
+        let grey = scene.material(diffuse(0.5), 0.0);
+        scene.place(
+            Shape::Solid(Solid::Sphere { radius: 1.0 }),
+            grey,
+            place(sign),
+        );
+        let world = scene.world();
+        for ray in rays(place(sign)) {
+            let hit = world.intersect(&ray).unwrap();
+            let point = world.surface(&ray, &hit);
+            assert!((point.p - ray.at(hit.t)).length() < 1e-12);
+            let n = ellipsoid_normal(place(sign), point.p);
+            assert!(
+                (point.ng.as_dvec3() - n).length() < 1e-6,
+                "{} {n}",
+                point.ng
+            );
+            let entering = n.dot(ray.direction) < 0.0;
+            assert_eq!(point.side, if entering { 1.0 } else { -1.0 });
+        }
+    }
+}
+
+#[test]
+fn meshes_have_outward_and_smooth_normals_under_transforms_too() {
+    for sign in [1.0, -1.0] {
+        let mut scene = empty_scene();
+        let grey = scene.material(diffuse(0.5), 0.0);
+        let mut mesh = moved(sphere_mesh(60, |_| 1.0), 1.0, Vec3::ZERO);
+        mesh.normals = mesh.positions.clone();
+        scene.mesh(mesh, grey);
+        let shape = scene.instances.remove(0).shape;
+        scene.place(shape, grey, place(sign));
+        let world = scene.world();
+        for ray in rays(place(sign)) {
+            let hit = world.intersect(&ray).unwrap();
+            let point = world.surface(&ray, &hit);
+            let n = ellipsoid_normal(place(sign), point.p);
+            // Faces of 3 degrees are up to a few degrees off where the squashing bends them most.
+            assert!(point.ng.as_dvec3().dot(n) > 0.98, "{} {n}", point.ng);
+            assert!(point.ns.as_dvec3().dot(n) > 0.9999, "{} {n}", point.ns);
+        }
+    }
+}
+
+#[test]
+fn a_spawned_ray_does_not_meet_its_own_surface_again() {
+    for (name, shape) in [
+        ("sphere", Solid::Sphere { radius: 990.0 }),
+        (
+            "box",
+            Solid::Box {
+                half: DVec3::new(1e3, 1e-3, 5.0),
+            },
+        ),
+        (
+            "torus",
+            Solid::Torus {
+                major: 3.0,
+                minor: 0.01,
+            },
+        ),
+        (
+            "cone",
+            Solid::Cone {
+                from_radius: 2.0,
+                to_radius: 0.0,
+                height: 3.0,
+            },
+        ),
+    ] {
+        let mut scene = empty_scene();
+        let grey = scene.material(diffuse(0.5), 0.0);
+        let far = DVec3::new(1e4, -2e4, 3e3);
+        scene.solid(shape, grey, far);
+        let world = scene.world();
+        let mut rng = Pcg64Mcg::seed_from_u64(9);
+        let size = shape.bounds().size();
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let mut coordinate = || rng.random_range(-0.5..0.5);
+            let inside = DVec3::new(coordinate(), coordinate(), coordinate()) * size;
+            let away = DVec3::new(coordinate(), coordinate(), coordinate()).normalize();
+            let origin = far + 3.0 * size.max_element() * away;
+            let ray = Ray::new(origin, far + inside - origin);
+            let Some(hit) = world.intersect(&ray) else {
+                continue;
+            };
+            let point = world.surface(&ray, &hit);
+            if point.side < 0.0 {
+                continue;
+            }
+            hits += 1;
+            // Straight out, and along the surface: a convex part has nothing there.
+            for direction in [
+                point.ng,
+                (point.ng + 1e-3 * point.ng.any_orthonormal_vector()),
+            ] {
+                let again = world.intersect(&point.spawn(direction));
+                let near = again.is_some_and(|h| h.t < 1e-6 * size.max_element());
+                assert!(!near, "{name}: {again:?} from {}", point.p);
+            }
+        }
+        assert!(hits > 500, "{name}: {hits}");
+    }
+}
