@@ -194,3 +194,41 @@ fn meshes_that_cannot_be_traced_are_errors() {
     };
     assert!(build(huge).contains("beyond"));
 }
+
+#[test]
+fn hits_before_tmin_and_beyond_tmax_do_not_count() {
+    // Steep triangles, so that their boxes reach far beyond the hit at t = 1 on both sides.
+    let steep = Mesh {
+        positions: vec![
+            Vec3::new(-9.0, -9.0, -9.0),
+            Vec3::new(9.0, -9.0, 9.0),
+            Vec3::new(0.0, 9.0, 0.0),
+        ],
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    };
+    let sphere = Shape::Solid(Solid::Sphere { radius: 3.0 });
+    for (mesh, shape) in [(vec![steep], Shape::Mesh(MeshId(0))), (vec![], sphere)] {
+        let accel = Accel::build(&mesh, vec![placed(shape, DAffine3::IDENTITY)]).unwrap();
+        // The mesh is met at z = 0, the sphere at z = 3, both at t = 1.
+        let z = if mesh.is_empty() { 5.0 } else { 2.0 };
+        for (tmin, tmax, met) in [
+            (0.0, 1.1, true),
+            (0.9, 1.1, true),
+            (1.1, 1.5, false),
+            (0.0, 0.9, false),
+        ] {
+            let ray = Ray {
+                tmin,
+                tmax,
+                ..Ray::new(DVec3::new(0.0, 0.0, z), DVec3::NEG_Z * 2.0)
+            };
+            assert_eq!(
+                accel.intersect(&ray).is_some(),
+                met,
+                "{shape:?} {tmin}..{tmax}"
+            );
+            assert_eq!(accel.occluded(&ray), met, "{shape:?} {tmin}..{tmax}");
+        }
+    }
+}
