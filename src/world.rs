@@ -92,9 +92,14 @@ impl World {
         self.accel.bounds()
     }
 
-    /// What building each mesh's tree found.
-    pub fn mesh_reports(&self) -> impl Iterator<Item = MeshReport> + '_ {
-        self.accel.mesh_reports()
+    /// What building the meshes' trees found, in all.
+    pub fn mesh_report(&self) -> MeshReport {
+        (self.accel.mesh_reports()).fold(MeshReport::default(), |sum, one| MeshReport {
+            triangles: sum.triangles + one.triangles,
+            degenerate: sum.degenerate + one.degenerate,
+            duplicate: sum.duplicate + one.duplicate,
+            bytes: sum.bytes + one.bytes,
+        })
     }
 
     /// The closest hit with `tmin < t < tmax`.

@@ -2,7 +2,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accel::MeshReport;
-use crate::error::Result;
+use crate::error::{Place, Result};
 use crate::geometry::{Shape, Solid};
 use crate::scene::Scene;
 use crate::world::World;
@@ -30,7 +30,7 @@ struct Summary {
 
 pub(super) fn run(args: &InfoArgs) -> Result<()> {
     let scene = args.input.read()?;
-    let world = World::build(scene)?;
+    let world = World::build(scene).map_err(|e| e.at(Place::file(&args.input.input)))?;
     let summary = Summary::of(&world);
     if args.json {
         println!("{}", summary.json(&world));
@@ -55,14 +55,7 @@ impl Summary {
             mesh_instances: meshes,
             solids: scene.instances.len() - meshes - planes,
             planes,
-            mesh: world
-                .mesh_reports()
-                .fold(MeshReport::default(), |sum, one| MeshReport {
-                    triangles: sum.triangles + one.triangles,
-                    degenerate: sum.degenerate + one.degenerate,
-                    duplicate: sum.duplicate + one.duplicate,
-                    bytes: sum.bytes + one.bytes,
-                }),
+            mesh: world.mesh_report(),
             bounds: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         }
     }

@@ -11,9 +11,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::error::{ErrorKind, Result};
+use crate::error::{ErrorKind, Place, Result};
 use crate::io::{ReadOptions, read_scene};
 use crate::scene::Scene;
+use crate::world::World;
 
 /// Renders triangle meshes and exact analytic solids.
 #[derive(Parser)]
@@ -44,12 +45,25 @@ struct InputArgs {
 }
 
 impl InputArgs {
-    /// Reads the input and prints what its readers warn of.
     fn read(&self) -> Result<Scene> {
         let options = ReadOptions {
             allow_paths: self.allow_path.clone(),
         };
         read_scene(&self.input, &options)
+    }
+
+    /// Builds the trees; errors and warnings of which nobody knows the file are the input's.
+    fn build(&self, scene: Scene) -> Result<World> {
+        let world = World::build(scene).map_err(|e| e.at(Place::file(&self.input)))?;
+        let report = world.mesh_report();
+        if report.degenerate + report.duplicate > 0 {
+            eprintln!(
+                "note: {} triangles without area and {} duplicates were left out",
+                grouped(report.degenerate as u64),
+                grouped(report.duplicate as u64)
+            );
+        }
+        Ok(world)
     }
 }
 

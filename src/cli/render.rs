@@ -14,7 +14,6 @@ use crate::io::{Precision, WriteOptions, check_image_path, write_image};
 use crate::render::{RenderSettings, Rendered, render};
 use crate::sampling::SamplerKind;
 use crate::scene::{IntegratorSettings, Scene};
-use crate::world::World;
 
 use super::progress::{Progress, catch_interrupts, interrupted};
 use super::values::{parse_crop, parse_samples, parse_size, parse_time};
@@ -116,7 +115,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     args.apply(&mut scene);
     let camera = args.camera(&scene)?.clone();
     let lens = camera.lens(scene.film.size)?;
-    let world = World::build(scene)?;
+    let world = args.input.build(scene)?;
     let settings = args.settings(world.scene())?;
     let scene = world.scene();
 

@@ -42,7 +42,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
     }
     let scene = args.input.read()?;
     warn(&scene.warnings);
-    let world = World::build(scene)?;
+    let world = args.input.build(scene)?;
     let start = Instant::now();
     let count = match &args.output {
         Some(path) => {

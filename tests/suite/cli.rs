@@ -385,3 +385,26 @@ fn every_integrator_renders_every_scene_that_ships() {
     }
     assert!(scenes >= 4, "{scenes}");
 }
+
+#[test]
+fn triangles_that_are_left_out_are_counted_and_a_mesh_without_any_other_is_an_error() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\n";
+    fs::write(
+        path.join("some.obj"),
+        format!("{corners}f 1 2 3\nf 3 1 2\nf 1 2 4\n"),
+    )
+    .unwrap();
+    let output = run(path, &["render", "some.obj", "--size", "8x8", "--spp", "1"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert!(
+        text.contains("1 triangles without area and 1 duplicates"),
+        "{text}"
+    );
+    fs::write(path.join("none.obj"), format!("{corners}f 1 2 4\n")).unwrap();
+    let output = run(path, &["render", "none.obj"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("none.obj"), "{}", stderr(&output));
+}
