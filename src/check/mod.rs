@@ -1,5 +1,4 @@
-//! Hits of a mesh against Embree's, every difference judged by an arbiter that knows both or neither
-//! to be right.
+//! Hits of a mesh against Embree's, every difference judged by an arbiter in f64.
 
 mod arbiter;
 mod rays;
