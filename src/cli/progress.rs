@@ -11,7 +11,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// From now on the first Ctrl-C asks the render to stop, and a second one ends the program at once.
 pub(super) fn catch_interrupts() {
-    // Without a handler Ctrl-C ends the program, which is what it did before.
+    // Where interrupts are ignored on entry, as in the background of a script, they stay so.
     let _ = ctrlc::try_set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(super::INTERRUPTED));
