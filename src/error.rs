@@ -196,11 +196,6 @@ impl Error {
         &self.0.message
     }
 
-    /// What to do, if known.
-    pub fn remedy(&self) -> Option<&str> {
-        self.0.help.as_deref()
-    }
-
     /// Where, if known.
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()

@@ -118,9 +118,4 @@ impl Transform {
         let same = gram.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 1e-9 * square);
         same.then(|| square.sqrt())
     }
-
-    /// Whether it turns right-handed frames into left-handed ones.
-    pub fn mirrors(&self) -> bool {
-        self.forward.matrix3.determinant() < 0.0
-    }
 }

@@ -8,28 +8,11 @@ use solidtrace::light::PointLight;
 use solidtrace::math::Transform;
 use solidtrace::scene::{Instance, Model, Part, Scene};
 
+use crate::support::meshes::box_mesh;
+
 /// A box of `size` whose lowest corner is `min`, as a mesh.
 fn block(min: [f32; 3], size: [f32; 3]) -> Mesh {
-    let corner = |i: u32| {
-        let unit = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-        Vec3::from(min) + unit * Vec3::from(size)
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    Mesh {
-        positions: (0..8).map(corner).collect(),
-        triangles: quads
-            .iter()
-            .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
-            .collect(),
-        ..Mesh::default()
-    }
+    box_mesh(min.into(), Vec3::from(min) + Vec3::from(size))
 }
 
 fn model(mesh: Mesh) -> Model {
