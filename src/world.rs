@@ -162,6 +162,7 @@ impl World {
                 let n = solid.normal(p, hit.face);
                 (p, n, None, solid.uv(p, hit.face).as_vec2(), 0)
             }
+            Shape::Csg(_) => unreachable!(),
             Shape::Mesh(id) => {
                 let mesh = &self.scene.meshes[id.0 as usize];
                 let corner = mesh.triangles[hit.primitive as usize];
@@ -278,6 +279,6 @@ fn find_emitters(scene: &Scene, accel: &Accel, index: usize, lights: &mut Vec<Li
                 Emitters::None
             }
         }
-        Shape::Solid(_) => Emitters::None,
+        Shape::Solid(_) | Shape::Csg(_) => Emitters::None,
     }
 }

@@ -59,6 +59,7 @@ impl Accel {
             let bounds = match p.shape {
                 Shape::Mesh(id) => meshes[id.0 as usize].bounds,
                 Shape::Solid(solid) => solid.bounds(),
+                Shape::Csg(_) => continue,
             };
             if bounds.is_finite() {
                 bounded.push(i as u32);
@@ -107,6 +108,7 @@ impl Accel {
             Shape::Mesh(id) => self.meshes[id.0 as usize].bounds.size().max_element(),
             Shape::Solid(Solid::Plane) => 0.0,
             Shape::Solid(solid) => solid.bounds().size().max_element(),
+            Shape::Csg(_) => 0.0,
         };
         let local = size + p.abs().max_element();
         let position = world_from_object.point(p).abs().max_element();
@@ -186,6 +188,7 @@ impl Accel {
                 primitive: 0,
                 face: crossing.face,
             }),
+            Shape::Csg(_) => None,
         }
     }
 
@@ -195,6 +198,7 @@ impl Accel {
         match placed.shape {
             Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(&local),
             Shape::Solid(solid) => solid.closest(&local).is_some(),
+            Shape::Csg(_) => false,
         }
     }
 }

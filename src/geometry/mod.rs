@@ -1,9 +1,12 @@
-//! Shapes without appearance: triangle meshes and analytic solids.
+//! Shapes without appearance: triangle meshes, analytic solids, and trees of set operations over both.
 
+mod csg;
 mod mesh;
 mod polygon;
 pub mod solid;
 
+pub use csg::{Csg, CsgId, CsgOp, Operand};
+pub(crate) use csg::{CsgLeaf, CsgStep, LinearMap};
 pub use mesh::Mesh;
 pub use polygon::triangulate;
 pub use solid::Solid;
@@ -19,4 +22,6 @@ pub enum Shape {
     Mesh(MeshId),
     /// An analytic solid in its canonical position.
     Solid(Solid),
+    /// A CSG object, shared by its instances.
+    Csg(CsgId),
 }

@@ -42,6 +42,11 @@ impl Transform {
         }
     }
 
+    /// From a map and its inverse, which the caller vouches for.
+    pub(crate) fn of_parts(forward: DAffine3, inverse: DAffine3) -> Self {
+        Self { forward, inverse }
+    }
+
     /// First `other`, then this.
     #[must_use]
     pub fn after(&self, other: &Self) -> Self {
@@ -54,6 +59,11 @@ impl Transform {
     /// The forward matrix.
     pub fn matrix(&self) -> &DAffine3 {
         &self.forward
+    }
+
+    /// The inverse matrix.
+    pub fn inverse_matrix(&self) -> &DAffine3 {
+        &self.inverse
     }
 
     /// Whether it leaves every point where it is, to the bit.

@@ -9,7 +9,7 @@ pub use model::{Model, Part};
 use crate::camera::Camera;
 use crate::color::{Rgb, Tonemap};
 use crate::film::Filter;
-use crate::geometry::{Mesh, Shape};
+use crate::geometry::{Csg, Mesh, Shape};
 use crate::light::PointLight;
 use crate::material::{Material, MaterialId};
 use crate::math::Transform;
@@ -31,6 +31,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// All meshes; a [`crate::geometry::MeshId`] indexes them.
     pub meshes: Vec<Mesh>,
+    /// All CSG objects; a [`crate::geometry::CsgId`] indexes them.
+    pub csgs: Vec<Csg>,
     /// Shapes placed in the world.
     pub instances: Vec<Instance>,
     /// What the readers want the user to know.
@@ -44,7 +46,7 @@ pub struct Instance {
     pub name: Option<String>,
     /// What is placed.
     pub shape: Shape,
-    /// One material for each slot of the shape; a solid has one slot.
+    /// One material for each slot of the shape; a solid has one slot, the operands of a CSG object say which are theirs.
     pub materials: Vec<MaterialId>,
     /// Where.
     pub world_from_object: Transform,
