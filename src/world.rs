@@ -1,12 +1,12 @@
 //! The scene with its trees and lights built: answers rays.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::accel::{Accel, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{CsgId, MeshId, Operand, Shape, Solid};
 use crate::light::{Light, LightSampler, SphereLight, TriangleLight};
 use crate::material::{Material, MaterialId};
 use crate::math::{Bounds, Ray};
@@ -56,7 +56,7 @@ impl World {
     /// Builds trees and lights.
     ///
     /// # Errors
-    /// Where a mesh is invalid or has no triangle with an area.
+    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an open mesh.
     pub fn build(scene: Scene) -> Result<Self> {
         let placed = (scene.instances.iter())
             .map(|instance| Placed {
@@ -64,7 +64,7 @@ impl World {
                 world_from_object: instance.world_from_object,
             })
             .collect();
-        let accel = Accel::build(&scene.meshes, placed)?;
+        let accel = Accel::build(&scene.meshes, &scene.csgs, placed)?;
         let mut lights: Vec<Light> = scene.lights.iter().copied().map(Light::Point).collect();
         let emitters = (0..scene.instances.len())
             .map(|i| find_emitters(&scene, &accel, i, &mut lights))
@@ -155,57 +155,101 @@ impl World {
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let instance = self.instance(hit);
         let transform = &instance.world_from_object;
-        let (p_object, n, shading, uv, slot) = match instance.shape {
-            Shape::Solid(solid) => {
-                let local = transform.inverse_ray(ray);
-                let p = solid.project(local.at(hit.t), hit.face);
-                let n = solid.normal(p, hit.face);
-                (p, n, None, solid.uv(p, hit.face).as_vec2(), 0)
-            }
-            Shape::Csg(_) => unreachable!(),
-            Shape::Mesh(id) => {
-                let mesh = &self.scene.meshes[id.0 as usize];
-                let corner = mesh.triangles[hit.primitive as usize];
-                let [a, b, c] = mesh.corners(hit.primitive).map(Vec3::as_dvec3);
-                let (ab, ac) = (b - a, c - a);
-                let (v, w) = (hit.uv.x, hit.uv.y);
-                let u = 1.0 - v - w;
-                let shading = (instance.smooth && !mesh.normals.is_empty()).then(|| {
-                    let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
-                    u * na + v * nb + w * nc
-                });
-                let uv = if mesh.uvs.is_empty() {
-                    hit.uv
-                } else {
-                    let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
-                    u * ta + v * tb + w * tc
-                };
-                let p = a + f64::from(v) * ab + f64::from(w) * ac;
-                let n = ab.cross(ac).normalize();
-                (p, n, shading, uv, mesh.slot(hit.primitive))
-            }
+        let local = transform.inverse_ray(ray);
+        let at = match instance.shape {
+            Shape::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Shape::Mesh(id) => self.on_mesh(id, hit.primitive, hit.uv, instance.smooth),
+            Shape::Csg(id) => self.on_csg(id, &local, hit, instance.smooth),
         };
-        // In f64: a grazing ray must not be taken for one from the other side.
-        let outward = transform.normal(n);
-        let side = if outward.dot(ray.direction) > 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
+        let outward = transform.normal(at.n);
         let ng = outward.as_vec3().normalize();
-        let ns = shading
-            .map(|n| transform.normal(n.as_dvec3()).as_vec3())
+        let ns = (at.shading)
+            .map(|n| transform.normal(n).as_vec3())
             .filter(|n| n.is_finite())
             .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n });
         SurfacePoint {
-            p: transform.point(p_object),
-            error: self.accel.error(hit.instance, p_object),
+            p: transform.point(at.p),
+            error: self.accel.error_at(hit, at.p, at.n),
             ng,
-            side,
+            side: if hit.inside { -1.0 } else { 1.0 },
             ns,
-            texture: TexturePoint { p: p_object, n, uv },
-            material: instance.material(slot),
+            texture: TexturePoint {
+                p: at.p,
+                n: at.n,
+                uv: at.uv,
+            },
+            material: instance.material(at.slot),
         }
+    }
+
+    fn on_mesh(&self, id: MeshId, triangle: u32, weights: Vec2, smooth: bool) -> LocalPoint {
+        let mesh = &self.scene.meshes[id.0 as usize];
+        let corner = mesh.triangles[triangle as usize];
+        let [a, b, c] = mesh.corners(triangle).map(Vec3::as_dvec3);
+        let (ab, ac) = (b - a, c - a);
+        let (v, w) = (weights.x, weights.y);
+        let u = 1.0 - v - w;
+        let shading = (smooth && !mesh.normals.is_empty()).then(|| {
+            let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
+            (u * na + v * nb + w * nc).as_dvec3()
+        });
+        let uv = if mesh.uvs.is_empty() {
+            weights
+        } else {
+            let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
+            u * ta + v * tb + w * tc
+        };
+        LocalPoint {
+            p: a + f64::from(v) * ab + f64::from(w) * ac,
+            n: ab.cross(ac).normalize(),
+            shading,
+            uv,
+            slot: mesh.slot(triangle),
+        }
+    }
+
+    /// A point on the surface of one operand, seen from the whole: where that is subtracted, its normals turn round.
+    fn on_csg(&self, id: CsgId, ray: &Ray, hit: &Hit, smooth: bool) -> LocalPoint {
+        let csg = &self.scene.csgs[id.0 as usize];
+        let (operand, transform) = csg.operand(hit.primitive);
+        let local = transform.inverse_ray(ray);
+        let at = match operand {
+            Operand::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Operand::Mesh(mesh) | Operand::OpenMesh(mesh) => {
+                self.on_mesh(mesh, hit.face, hit.uv, smooth)
+            }
+        };
+        let sign = if hit.negated { -1.0 } else { 1.0 };
+        LocalPoint {
+            p: transform.point(at.p),
+            n: sign * transform.normal(at.n),
+            shading: at.shading.map(|n| sign * transform.normal(n)),
+            uv: at.uv,
+            slot: csg.slot(hit.primitive, at.slot),
+        }
+    }
+}
+
+/// A point on a surface in the object's space.
+struct LocalPoint {
+    p: DVec3,
+    /// Outward unit normal.
+    n: DVec3,
+    /// Interpolated normal, not of unit length.
+    shading: Option<DVec3>,
+    uv: Vec2,
+    /// Material slot.
+    slot: u32,
+}
+
+fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
+    let p = solid.project(ray.at(t), face);
+    LocalPoint {
+        p,
+        n: solid.normal(p, face),
+        shading: None,
+        uv: solid.uv(p, face).as_vec2(),
+        slot: 0,
     }
 }
 

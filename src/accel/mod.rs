@@ -1,14 +1,17 @@
-//! Ray queries over meshes and solids: obvhs builds the trees, the traversal is ours and watertight.
+//! Ray queries over meshes, solids and CSG objects: obvhs builds the trees, the traversal is ours and watertight.
 //!
-//! Two levels: a tree over the placed shapes, and under each mesh a tree over its triangles.
+//! Two levels: a tree over the placed shapes, and under each mesh a tree over its triangles, under each CSG object
+//! one over its operands.
 //! Planes have no bounds and stand in a list beside the tree.
 
 mod build;
+mod csg;
 mod mesh;
 mod ray;
 mod scene;
 mod tree;
 mod triangle;
 
+pub use csg::{CsgCrossing, CsgReport, CsgTree};
 pub use mesh::MeshReport;
 pub use scene::{Accel, Hit, Placed};

@@ -1,11 +1,13 @@
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
 
 use crate::error::Result;
-use crate::geometry::{Mesh, MeshId, Shape, Solid};
+use crate::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use crate::math::{Bounds, Ray, Transform};
 
+use super::csg::{CsgTree, mesh_trees};
 use super::mesh::{MeshReport, MeshTree};
 use super::ray::TreeRay;
 use super::tree::Tree;
@@ -28,44 +30,54 @@ pub struct Hit {
     pub uv: Vec2,
     /// Index of the placed shape.
     pub instance: u32,
-    /// Mesh: the triangle's index in its file; else 0.
+    /// Mesh: the triangle's index in its file. CSG: the operand's index in its tree. Else 0.
     pub primitive: u32,
-    /// Solid: the face that was hit; else 0.
+    /// Solid, also as an operand: the face that was hit. Mesh as an operand: the triangle. Else 0.
     pub face: u32,
+    /// Whether the ray came from inside.
+    pub inside: bool,
+    /// CSG: whether the operand is subtracted here, so that its surface faces into it.
+    pub negated: bool,
 }
 
 /// Ray queries over placed shapes.
 #[derive(Debug)]
 pub struct Accel {
-    meshes: Vec<MeshTree>,
+    meshes: Vec<Arc<MeshTree>>,
+    csgs: Vec<CsgTree>,
     placed: Vec<Placed>,
     /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
     tree: Option<(Tree, Vec<u32>)>,
-    planes: Vec<u32>,
+    /// Those without bounds: endless, and CSG objects that half-spaces leave open.
+    endless: Vec<u32>,
     bounds: Bounds,
 }
 
 impl Accel {
-    /// Builds a tree for each of `meshes` and one over `placed`, which refers to them by index.
+    /// Builds a tree for each of `meshes` and `csgs` and one over `placed`, which refers to them by index.
     ///
     /// # Errors
-    /// Where a mesh is invalid or has no triangle with an area.
-    pub fn build(meshes: &[Mesh], placed: Vec<Placed>) -> Result<Self> {
-        let meshes = (meshes.iter())
-            .map(MeshTree::build)
+    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole.
+    pub fn build(meshes: &[Mesh], csgs: &[Csg], placed: Vec<Placed>) -> Result<Self> {
+        let meshes = mesh_trees(meshes, csgs)?;
+        let csgs = (csgs.iter())
+            .map(|csg| CsgTree::over(csg, &meshes))
             .collect::<Result<Vec<_>>>()?;
-        let (mut bounded, mut boxes, mut planes) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bounded, mut boxes, mut endless) = (Vec::new(), Vec::new(), Vec::new());
         for (i, p) in placed.iter().enumerate() {
             let bounds = match p.shape {
                 Shape::Mesh(id) => meshes[id.0 as usize].bounds,
                 Shape::Solid(solid) => solid.bounds(),
-                Shape::Csg(_) => continue,
+                Shape::Csg(id) => csgs[id.0 as usize].bounds(),
             };
+            if bounds.is_empty() {
+                continue;
+            }
             if bounds.is_finite() {
                 bounded.push(i as u32);
                 boxes.push(padded(&p.world_from_object.bounds(&bounds)));
             } else {
-                planes.push(i as u32);
+                endless.push(i as u32);
             }
         }
         let tree = (!boxes.is_empty()).then(|| {
@@ -76,13 +88,14 @@ impl Accel {
         Ok(Self {
             bounds: boxes.into_iter().fold(Bounds::EMPTY, Bounds::union),
             meshes,
+            csgs,
             placed,
             tree,
-            planes,
+            endless,
         })
     }
 
-    /// The box around everything but planes.
+    /// The box around everything that has an end.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -92,13 +105,33 @@ impl Accel {
         self.meshes.iter().map(|mesh| mesh.report)
     }
 
+    /// A CSG object.
+    pub fn csg(&self, id: CsgId) -> &CsgTree {
+        &self.csgs[id.0 as usize]
+    }
+
     /// The triangles of a mesh that its tree left out, ascending.
     pub fn dropped(&self, mesh: MeshId) -> &[u32] {
         &self.meshes[mesh.0 as usize].dropped
     }
 
-    /// How far, in world units, a ray must start off the surface of `instance` near the object-space
-    /// point `p` so as not to meet it again: queries decide in f64, and this is well above its rounding.
+    /// How far, in world units, a ray must start off the surface that was hit, at the object-space point `p` with
+    /// the unit normal `n`, so as not to meet it again.
+    pub fn error_at(&self, hit: &Hit, p: DVec3, n: DVec3) -> f64 {
+        let Placed {
+            shape,
+            world_from_object,
+        } = &self.placed[hit.instance as usize];
+        let Shape::Csg(id) = shape else {
+            return self.error(hit.instance, p);
+        };
+        let uncertain = self.csg(*id).uncertainty(hit.primitive, p, n);
+        let position = world_from_object.point(p).abs().max_element();
+        MARGIN * uncertain * world_from_object.max_stretch() + ERROR * position
+    }
+
+    /// How far, in world units, a ray must start off the surface of `instance`, a mesh or a solid, near the
+    /// object-space point `p` so as not to meet it again: queries decide in f64, and this is well above its rounding.
     pub fn error(&self, instance: u32, p: DVec3) -> f64 {
         let Placed {
             shape,
@@ -106,9 +139,8 @@ impl Accel {
         } = &self.placed[instance as usize];
         let size = match shape {
             Shape::Mesh(id) => self.meshes[id.0 as usize].bounds.size().max_element(),
-            Shape::Solid(Solid::Plane) => 0.0,
+            Shape::Solid(Solid::Plane) | Shape::Csg(_) => 0.0,
             Shape::Solid(solid) => solid.bounds().size().max_element(),
-            Shape::Csg(_) => 0.0,
         };
         let local = size + p.abs().max_element();
         let position = world_from_object.point(p).abs().max_element();
@@ -126,7 +158,7 @@ impl Accel {
                 best = Some(hit);
             }
         };
-        for &plane in &self.planes {
+        for &plane in &self.endless {
             if let Some(hit) = self.intersect_one(plane, ray, limit) {
                 offer(hit, &mut limit);
             }
@@ -149,7 +181,7 @@ impl Accel {
 
     /// Whether anything lies in `tmin < t < tmax`.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if (self.planes.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
+        if (self.endless.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
             return true;
         }
         let Some((tree, order)) = &self.tree else {
@@ -179,16 +211,35 @@ impl Accel {
                     instance,
                     primitive,
                     face: 0,
+                    inside: hit.inside,
+                    negated: false,
                 })
             }
-            Shape::Solid(solid) => solid.closest(&local).map(|crossing| Hit {
-                t: crossing.t,
-                uv: Vec2::ZERO,
-                instance,
-                primitive: 0,
-                face: crossing.face,
-            }),
-            Shape::Csg(_) => None,
+            Shape::Solid(solid) => {
+                let (crossing, inside) = solid.closest(&local)?;
+                Some(Hit {
+                    t: crossing.t,
+                    uv: Vec2::ZERO,
+                    instance,
+                    primitive: 0,
+                    face: crossing.face,
+                    inside,
+                    negated: false,
+                })
+            }
+            Shape::Csg(id) => {
+                let tree = self.csg(id);
+                let crossing = tree.intersect(&local)?;
+                Some(Hit {
+                    t: crossing.t,
+                    uv: tree.weights(&local, &crossing),
+                    instance,
+                    primitive: crossing.operand,
+                    face: crossing.face,
+                    inside: !crossing.enter,
+                    negated: crossing.negated,
+                })
+            }
         }
     }
 
@@ -198,7 +249,7 @@ impl Accel {
         match placed.shape {
             Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(&local),
             Shape::Solid(solid) => solid.closest(&local).is_some(),
-            Shape::Csg(_) => false,
+            Shape::Csg(id) => self.csg(id).occluded(&local),
         }
     }
 }
@@ -214,6 +265,9 @@ impl Placed {
         }
     }
 }
+
+/// How many times its uncertainty a surface is left behind.
+const MARGIN: f64 = 32.0;
 
 /// Far above the relative rounding of a few f64 operations, far below what can be seen.
 const ERROR: f64 = 1.0 / (1_u64 << 40) as f64;

@@ -87,6 +87,47 @@ impl Tree {
         size_of_val(self.nodes.as_slice())
     }
 
+    /// Where to start from.
+    pub(super) fn root(&self) -> Link {
+        self.root
+    }
+
+    /// The children of the inner node `link`, and where the ray enters their boxes, if it does between `tmin` and
+    /// `tmax`.
+    #[inline]
+    pub(super) fn children(
+        &self,
+        link: Link,
+        ray: &TreeRay,
+        tmin: f32,
+        tmax: f32,
+    ) -> ([Option<f32>; 2], [Link; 2]) {
+        let node = &self.nodes[link.first as usize];
+        (node.entry(ray, tmin, tmax), node.children)
+    }
+
+    /// Visits the leaves whose boxes hold the point `p`, in no particular order.
+    pub(super) fn around(&self, p: DVec3, mut visit: impl FnMut(Range<u32>)) {
+        let p = (p - self.center).to_array();
+        let mut stack = vec![self.root];
+        while let Some(link) = stack.pop() {
+            if link.count > 0 {
+                visit(link.first..link.first + link.count);
+                continue;
+            }
+            let node = &self.nodes[link.first as usize];
+            for side in 0..2 {
+                let inside = |axis: usize| {
+                    let [min, max] = node.planes[axis].map(|planes| f64::from(planes[side]));
+                    p[axis] >= min && p[axis] <= max
+                };
+                if (0..3).all(inside) {
+                    stack.push(node.children[side]);
+                }
+            }
+        }
+    }
+
     /// Visits the leaves whose boxes the ray meets before `tmax`, nearest first as far as boxes tell.
     /// `visit` gets the leaf's positions and answers with the new `tmax`, or breaks.
     pub(super) fn traverse(

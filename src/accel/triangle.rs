@@ -17,6 +17,8 @@ pub(super) struct TriangleHit {
     /// Barycentric weights of the second and third corner.
     pub u: f64,
     pub v: f64,
+    /// Whether the ray comes from the side that the triangle faces away from.
+    pub inside: bool,
 }
 
 impl Triangle {
@@ -65,6 +67,7 @@ impl Triangle {
             t: (u * a.z + v * b.z + w * c.z) / (det * ray.length),
             u: v / det,
             v: w / det,
+            inside: (det < 0.0) == (ray.length > 0.0),
         })
     }
 }

@@ -86,7 +86,7 @@ impl<'a> Comparison<'a> {
             ..EmbreeOptions::default()
         };
         Ok(Self {
-            ours: Accel::build(std::slice::from_ref(mesh), vec![placed])?,
+            ours: Accel::build(std::slice::from_ref(mesh), &[], vec![placed])?,
             embree: EmbreeScene::new(&[(mesh, &Transform::IDENTITY)], options)?,
             arbiter: Arbiter::new(mesh),
             mesh,

@@ -140,14 +140,13 @@ impl Csg {
                 }
             };
             placed = Some((outer.matrix3, first_map));
-            self.leaves
-                .extend(other.leaves.iter().map(|leaf| CsgLeaf {
-                    origin: outer.transform_point3(leaf.origin),
-                    operand: first_operand + leaf.operand,
-                    map: first_map + leaf.map,
-                    slot: slot + leaf.slot,
-                    ..*leaf
-                }));
+            self.leaves.extend(other.leaves.iter().map(|leaf| CsgLeaf {
+                origin: outer.transform_point3(leaf.origin),
+                operand: first_operand + leaf.operand,
+                map: first_map + leaf.map,
+                slot: slot + leaf.slot,
+                ..*leaf
+            }));
             self.steps.extend(&other.steps);
             self.results += other.results;
         }
@@ -169,8 +168,8 @@ impl Csg {
     }
 
     /// Operand `index` and its transform.
-    pub fn operand(&self, index: usize) -> (Operand, Transform) {
-        let leaf = &self.leaves[index];
+    pub fn operand(&self, index: u32) -> (Operand, Transform) {
+        let leaf = &self.leaves[index as usize];
         let map = &self.maps[leaf.map as usize];
         let transform = Transform::of_parts(
             DAffine3::from_mat3_translation(map.forward, leaf.origin),
@@ -178,12 +177,11 @@ impl Csg {
         );
         (self.operands[leaf.operand as usize], transform)
     }
-}
 
-impl CsgLeaf {
-    /// The instance's material slot for the operand's own `slot`.
-    pub(crate) fn slot(&self, slot: u32) -> u32 {
-        self.slot + slot.min(self.slots - 1)
+    /// The instance's material slot for operand `index`'s own `slot`.
+    pub fn slot(&self, index: u32, slot: u32) -> u32 {
+        let leaf = &self.leaves[index as usize];
+        leaf.slot + slot.min(leaf.slots - 1)
     }
 }
 

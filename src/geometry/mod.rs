@@ -6,7 +6,7 @@ mod polygon;
 pub mod solid;
 
 pub use csg::{Csg, CsgId, CsgOp, Operand};
-pub(crate) use csg::{CsgLeaf, CsgStep, LinearMap};
+pub(crate) use csg::{CsgStep, LinearMap};
 pub use mesh::Mesh;
 pub use polygon::triangulate;
 pub use solid::Solid;

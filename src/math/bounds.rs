@@ -39,6 +39,15 @@ impl Bounds {
         }
     }
 
+    /// What lies in both.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
     /// The smallest box around this one and `point`.
     #[must_use]
     pub fn including(self, point: DVec3) -> Self {

@@ -75,7 +75,7 @@ fn crowd(rng: &mut Pcg64Mcg) -> (Vec<Mesh>, Vec<Placed>) {
 fn closest_and_any_hit_equal_brute_force_over_everything() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     let (meshes, crowd) = crowd(&mut rng);
-    let accel = Accel::build(&meshes, crowd.clone()).unwrap();
+    let accel = Accel::build(&meshes, &[], crowd.clone()).unwrap();
     let mut hits = 0;
     for _ in 0..20_000 {
         let mut ray = Ray::new(
@@ -98,9 +98,10 @@ fn closest_and_any_hit_equal_brute_force_over_everything() {
                         })
                         .fold(f64::INFINITY, f64::min)
                 }
+                Shape::Csg(_) => unreachable!("none in the crowd"),
                 Shape::Solid(solid) => solid
                     .closest(&p.world_from_object.inverse_ray(&ray))
-                    .map_or(f64::INFINITY, |c| c.t),
+                    .map_or(f64::INFINITY, |(c, _)| c.t),
             };
             nearest = nearest.min(t);
         }
@@ -130,7 +131,7 @@ fn of_equal_distances_the_lowest_index_wins() {
         ..Mesh::default()
     };
     let all = vec![placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY); 5];
-    let accel = Accel::build(&[mesh], all).unwrap();
+    let accel = Accel::build(&[mesh], &[], all).unwrap();
     // The last point lies on the diagonal that both triangles share.
     for (x, y, primitive) in [(0.7, 0.2, 0), (0.2, 0.7, 1), (0.5, 0.5, 0)] {
         let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
@@ -150,6 +151,7 @@ fn degenerate_and_duplicate_triangles_are_counted_and_ids_stay() {
     mesh.triangles.extend([[b, c, a], [e, d, f]]);
     let accel = Accel::build(
         &[mesh],
+        &[],
         vec![placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY)],
     )
     .unwrap();
@@ -176,7 +178,7 @@ fn degenerate_and_duplicate_triangles_are_counted_and_ids_stay() {
 #[test]
 fn meshes_that_cannot_be_traced_are_errors() {
     let build = |mesh: Mesh| {
-        Accel::build(&[mesh], vec![])
+        Accel::build(&[mesh], &[], vec![])
             .unwrap_err()
             .message()
             .to_owned()
@@ -209,7 +211,7 @@ fn hits_before_tmin_and_beyond_tmax_do_not_count() {
     };
     let sphere = Shape::Solid(Solid::Sphere { radius: 3.0 });
     for (mesh, shape) in [(vec![steep], Shape::Mesh(MeshId(0))), (vec![], sphere)] {
-        let accel = Accel::build(&mesh, vec![placed(shape, DAffine3::IDENTITY)]).unwrap();
+        let accel = Accel::build(&mesh, &[], vec![placed(shape, DAffine3::IDENTITY)]).unwrap();
         // The mesh is met at z = 0, the sphere at z = 3, both at t = 1.
         let z = if mesh.is_empty() { 5.0 } else { 2.0 };
         for (tmin, tmax, met) in [

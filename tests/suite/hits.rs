@@ -66,7 +66,7 @@ fn the_arbiter_knows_right_from_wrong() {
         shape: Shape::Mesh(solidtrace::geometry::MeshId(0)),
         world_from_object: Transform::IDENTITY,
     };
-    let hit = Accel::build(std::slice::from_ref(&mesh), vec![placed])
+    let hit = Accel::build(std::slice::from_ref(&mesh), &[], vec![placed])
         .unwrap()
         .intersect(&ray)
         .unwrap();
@@ -216,7 +216,7 @@ fn a_crowd_of_solids_is_hit_where_embree_finds_user_geometry() {
         }) as Box<dyn UserShape>
     });
     let embree = EmbreeScene::of_shapes(marched.collect(), ROBUST).unwrap();
-    let accel = Accel::build(&[], placed).unwrap();
+    let accel = Accel::build(&[], &[], placed).unwrap();
     let (mut hits, mut missed, count) = (0, 0, 30_000);
     for _ in 0..count {
         let ray = through(4.5, &mut rng);
@@ -318,7 +318,7 @@ fn solids_are_hit_where_embree_hits_their_fine_tessellation() {
         let (mut steep, mut grazing) = (0, 0);
         for _ in 0..20_000 {
             let ray = through(1.2, &mut rng);
-            let ours = solid.closest(&ray);
+            let ours = solid.closest(&ray).map(|(crossing, _)| crossing);
             let theirs = embree.intersect(&ray);
             let facing = ours.map_or(0.0, |c| {
                 let n = solid.normal(solid.project(ray.at(c.t), c.face), c.face);

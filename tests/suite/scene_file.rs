@@ -227,7 +227,7 @@ fn solids_stand_where_their_numbers_say() {
     let scene = loaded();
     let solid = |i: usize| match scene.instances[i].shape {
         Shape::Solid(solid) => solid,
-        Shape::Mesh(_) => panic!("instance {i} is a mesh"),
+        other => panic!("instance {i} is {other:?}"),
     };
     assert_eq!(solid(0), Solid::Plane);
     assert_near(placed(&scene, 0, [0.0, 0.0, 1.0]), [0.0, -11.0, 0.0]);

@@ -178,12 +178,12 @@ impl Solid {
         dispatch!(self, shape => shape.spans(ray).into())
     }
 
-    /// The first crossing with `tmin < t < tmax`.
-    pub fn closest(&self, ray: &Ray) -> Option<Crossing> {
+    /// The first crossing with `tmin < t < tmax`, and whether the ray comes to it from inside.
+    pub fn closest(&self, ray: &Ray) -> Option<(Crossing, bool)> {
         for span in self.spans(ray).iter() {
-            for crossing in [span.enter, span.exit] {
+            for (crossing, inside) in [(span.enter, false), (span.exit, true)] {
                 if crossing.t > ray.tmin && crossing.t < ray.tmax {
-                    return Some(crossing);
+                    return Some((crossing, inside));
                 }
             }
         }

@@ -66,7 +66,7 @@ pub fn escaped(case: &Closed, rays: u64, seed: u64) -> u64 {
         world_from_object: Transform::IDENTITY,
     };
     let mesh = &case.mesh;
-    let accel = Accel::build(std::slice::from_ref(mesh), vec![placed]).unwrap();
+    let accel = Accel::build(std::slice::from_ref(mesh), &[], vec![placed]).unwrap();
     let size = mesh.bounds().size().min_element();
     (0..rays.div_ceil(CHUNK))
         .into_par_iter()

@@ -40,6 +40,7 @@ pub fn empty_scene() -> Scene {
         lights: Vec::new(),
         materials: Vec::new(),
         meshes: Vec::new(),
+        csgs: Vec::new(),
         instances: Vec::new(),
         warnings: Vec::new(),
     }

@@ -1,0 +1,256 @@
+//! CSG objects: one tree of boxes over all operands, and one pass along a ray that counts which of them it is in.
+//!
+//! The cost of a ray grows with the logarithm of the number of operands, for it sees only those that it meets, in
+//! order, up to its first hit.
+
+mod flatten;
+mod operand;
+mod sweep;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2};
+
+use crate::error::{Error, Result};
+use crate::geometry::{Csg, LinearMap, Mesh, Operand};
+use crate::math::{Bounds, Ray};
+
+use super::mesh::MeshTree;
+use super::tree::Tree;
+use flatten::{Formula, Literal, Operator};
+use operand::{Form, Kind, Leaf};
+
+/// A CSG object made ready for rays and points, in its own space.
+#[derive(Debug)]
+pub struct CsgTree {
+    /// The first is the root; each stands behind its parent.
+    operators: Vec<Operator>,
+    forms: Vec<Form>,
+    maps: Vec<LinearMap>,
+    /// Those without bounds, then the others in the order of the tree's leaves.
+    leaves: Vec<Leaf>,
+    unbounded: u32,
+    /// Where in `leaves` each authored operand is, or `u32::MAX`.
+    positions: Vec<u32>,
+    tree: Option<Tree>,
+    bounds: Bounds,
+    report: CsgReport,
+}
+
+/// What building a CSG object found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CsgReport {
+    /// Operands as authored.
+    pub operands: usize,
+    /// Those left out because they cannot matter: their boxes miss everything that they are combined with.
+    pub dropped: usize,
+    /// Operators as authored.
+    pub operators: usize,
+    /// Operators left after flattening.
+    pub flattened: usize,
+    /// The most operators above an operand as authored.
+    pub depth: usize,
+    /// Bytes held.
+    pub bytes: usize,
+}
+
+/// A place where a ray crosses the surface of a CSG object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CsgCrossing {
+    /// Ray parameter.
+    pub t: f64,
+    /// Index of the operand whose surface it is.
+    pub operand: u32,
+    /// Solid: the face. Mesh: the triangle.
+    pub face: u32,
+    /// Whether the ray goes into the object.
+    pub enter: bool,
+    /// Whether the operand is subtracted there: its surface faces into it.
+    pub negated: bool,
+}
+
+impl CsgTree {
+    /// Builds the tree of `csg`, whose mesh operands are in `meshes` by index.
+    ///
+    /// # Errors
+    /// Where the tree is not one whole, or a mesh is not closed.
+    pub fn build(csg: &Csg, meshes: &[Mesh]) -> Result<Self> {
+        Self::over(csg, &mesh_trees(meshes, std::slice::from_ref(csg))?)
+    }
+
+    /// As [`CsgTree::build`], over what [`mesh_trees`] made.
+    pub(super) fn over(csg: &Csg, meshes: &[Arc<MeshTree>]) -> Result<Self> {
+        if csg.results() != 1 {
+            return Err(
+                Error::input(format!("the CSG tree has {} results", csg.results()))
+                    .help("its last step must combine all that is left"),
+            );
+        }
+        let forms: Vec<Form> = (csg.operands.iter())
+            .map(|operand| {
+                Form::new(match operand {
+                    Operand::Solid(solid) => Kind::Solid(*solid),
+                    Operand::Mesh(id) | Operand::OpenMesh(id) => {
+                        Kind::Mesh(meshes[id.0 as usize].clone())
+                    }
+                })
+            })
+            .collect();
+        let maps = csg.maps.clone();
+        let boxes: Vec<Bounds> = (csg.leaves.iter())
+            .map(|leaf| {
+                let bounds = forms[leaf.operand as usize].bounds();
+                let map = &maps[leaf.map as usize];
+                if bounds.is_finite() {
+                    Bounds::of_points(bounds.corners().map(|p| leaf.origin + map.forward * p))
+                } else {
+                    Bounds::ALL
+                }
+            })
+            .collect();
+        let (formula, authored) = Formula::new(csg, &boxes);
+        drop(boxes);
+        let (bounded, unbounded): (Vec<&Literal>, Vec<_>) =
+            (formula.literals.iter()).partition(|literal| literal.bounds.is_finite());
+        let boxes: Vec<Bounds> = bounded.iter().map(|literal| literal.bounds).collect();
+        let (tree, order) = if boxes.is_empty() {
+            (None, Vec::new())
+        } else {
+            let (tree, order) = Tree::build(&boxes);
+            (Some(tree), order)
+        };
+        let in_order = order.iter().map(|&i| bounded[i as usize]);
+        let leaves: Vec<Leaf> = (unbounded.iter().copied().chain(in_order))
+            .map(|literal| {
+                let leaf = &csg.leaves[literal.leaf as usize];
+                Leaf::new(
+                    leaf.origin,
+                    leaf.operand,
+                    leaf.map,
+                    literal.leaf,
+                    literal.parent,
+                    literal.negated,
+                )
+            })
+            .collect();
+        let mut positions = vec![u32::MAX; csg.len()];
+        for (position, leaf) in leaves.iter().enumerate() {
+            positions[leaf.id as usize] = position as u32;
+        }
+        let bytes = tree.as_ref().map_or(0, Tree::bytes)
+            + size_of_val(&*leaves)
+            + size_of_val(&*formula.operators)
+            + size_of_val(&*forms)
+            + size_of_val(&*maps)
+            + size_of_val(&*positions);
+        Ok(Self {
+            report: CsgReport {
+                operands: csg.len(),
+                dropped: csg.len() - leaves.len(),
+                operators: authored.operators,
+                flattened: formula.operators.len(),
+                depth: authored.depth,
+                bytes,
+            },
+            operators: formula.operators,
+            forms,
+            maps,
+            leaves,
+            unbounded: unbounded.len() as u32,
+            positions,
+            tree,
+            bounds: formula.bounds,
+        })
+    }
+
+    /// What building it found.
+    pub fn report(&self) -> CsgReport {
+        self.report
+    }
+
+    /// The box around it: empty where nothing is left of it, infinite where half-spaces leave it open.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The first crossing with `tmin < t < tmax`.
+    ///
+    /// Crossings of two operands that are closer than their rounding are one: coincident faces have neither skins
+    /// nor cracks. Of coincident surfaces the one of an operand that is not subtracted is reported, then the lowest.
+    pub fn intersect(&self, ray: &Ray) -> Option<CsgCrossing> {
+        self.sweep(ray, |flip| ControlFlow::Break(self.crossing(flip)))
+    }
+
+    /// Whether there is a crossing with `tmin < t < tmax`.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.sweep(ray, |_| ControlFlow::Break(())).is_some()
+    }
+
+    /// All crossings with `tmin < t < tmax`, in order.
+    pub fn crossings(&self, ray: &Ray) -> Vec<CsgCrossing> {
+        let mut crossings = Vec::new();
+        let _: Option<()> = self.sweep(ray, |flip| {
+            crossings.push(self.crossing(flip));
+            ControlFlow::Continue(())
+        });
+        crossings
+    }
+
+    /// Whether `p` lies inside or, to within rounding, on the surface.
+    pub fn contains(&self, p: DVec3) -> bool {
+        let holds = |position: &u32| {
+            let leaf = &self.leaves[*position as usize];
+            leaf.contains(
+                &self.forms[leaf.form as usize],
+                &self.maps[leaf.map as usize],
+                p,
+            )
+        };
+        let mut holding: Vec<u32> = (0..self.unbounded).filter(holds).collect();
+        if let Some(tree) = &self.tree {
+            tree.around(p, |leaf| {
+                let positions = leaf.start + self.unbounded..leaf.end + self.unbounded;
+                holding.extend(positions.filter(holds));
+            });
+        }
+        self.holds(holding.into_iter())
+    }
+
+    /// How far off its place the surface of `operand` may be found, seen from its own point `p` with the unit normal
+    /// `n`.
+    pub(super) fn uncertainty(&self, operand: u32, p: DVec3, n: DVec3) -> f64 {
+        let leaf = &self.leaves[self.positions[operand as usize] as usize];
+        let (form, map) = (
+            &self.forms[leaf.form as usize],
+            &self.maps[leaf.map as usize],
+        );
+        let span = 2.0 * p.abs() + leaf.origin.abs();
+        let distance = (map.inverse * (p - leaf.origin)).length();
+        let n = map.forward.transpose() * n;
+        n.length() * form.uncertainty(&map.inverse, span, distance, n.normalize())
+    }
+
+    /// The barycentric weights of the second and third corner where `ray` crosses a mesh; else 0.
+    pub(super) fn weights(&self, _ray: &Ray, _crossing: &CsgCrossing) -> Vec2 {
+        Vec2::ZERO
+    }
+
+    fn crossing(&self, flip: sweep::Flip) -> CsgCrossing {
+        let leaf = &self.leaves[flip.leaf as usize];
+        CsgCrossing {
+            t: flip.t,
+            operand: leaf.id,
+            face: flip.face,
+            enter: flip.enter,
+            negated: leaf.negated(),
+        }
+    }
+}
+
+/// The tree of each mesh; those of meshes that a CSG object uses hold every triangle.
+pub(super) fn mesh_trees(meshes: &[Mesh], _csgs: &[Csg]) -> Result<Vec<Arc<MeshTree>>> {
+    (meshes.iter())
+        .map(|mesh| MeshTree::build(mesh).map(Arc::new))
+        .collect()
+}

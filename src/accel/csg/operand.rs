@@ -1,0 +1,187 @@
+//! An operand in its place: where a ray crosses it, and how surely.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use crate::accel::mesh::MeshTree;
+use crate::geometry::solid::Crossing;
+use crate::geometry::{LinearMap, Solid};
+use crate::math::{Bounds, Ray};
+
+/// What an operand is.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    Solid(Solid),
+    Mesh(Arc<MeshTree>),
+}
+
+/// What operands share.
+#[derive(Clone, Debug)]
+pub(super) struct Form {
+    pub(super) kind: Kind,
+    /// The greatest distance of its points from its origin; 0 for a half-space.
+    pub(super) size: f64,
+}
+
+/// An operand of the formula, in its place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub(super) origin: DVec3,
+    pub(super) form: u32,
+    pub(super) map: u32,
+    /// Index in the authored tree.
+    pub(super) id: u32,
+    /// Operator of the formula, and in the lowest bit whether the operand is negated.
+    literal: u32,
+}
+
+/// Where a ray's line crosses the surface of an operand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event {
+    pub(super) t: f64,
+    /// The crossing may be this far off along the ray: what is within it of another happens at the same place.
+    pub(super) dt: f64,
+    /// Position of the leaf.
+    pub(super) leaf: u32,
+    /// Solid: the face. Mesh: the triangle.
+    pub(super) face: u32,
+    pub(super) enter: bool,
+}
+
+impl Event {
+    pub(super) fn earliest(&self) -> f64 {
+        self.t - self.dt
+    }
+
+    pub(super) fn latest(&self) -> f64 {
+        self.t + self.dt
+    }
+}
+
+/// Solids find their crossings this close to a face, in units of their size and the distance to the ray's origin
+/// ([`Solid::spans`]); transforming the ray costs less, in units of the coordinates.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+impl Form {
+    pub(super) fn new(kind: Kind) -> Self {
+        let bounds = match &kind {
+            Kind::Solid(solid) => solid.bounds(),
+            Kind::Mesh(mesh) => mesh.bounds,
+        };
+        let reach = bounds.min.abs().max(bounds.max.abs()).length();
+        Self {
+            size: if reach.is_finite() { reach } else { 0.0 },
+            kind,
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        match &self.kind {
+            Kind::Solid(solid) => solid.bounds(),
+            Kind::Mesh(mesh) => mesh.bounds,
+        }
+    }
+
+    /// How far along the unit normal `n` the surface may be found off its place. All in the operand's space but
+    /// `span`, the largest coordinates that were involved before the map `inverse`; `distance` is that of the
+    /// operand's origin to where the solver started.
+    pub(super) fn uncertainty(&self, inverse: &DMat3, span: DVec3, distance: f64, n: DVec3) -> f64 {
+        let moved = inverse.x_axis.abs() * span.x
+            + inverse.y_axis.abs() * span.y
+            + inverse.z_axis.abs() * span.z;
+        ROUNDING * (self.size + distance + n.abs().dot(moved))
+    }
+}
+
+impl Leaf {
+    pub(super) fn new(
+        origin: DVec3,
+        form: u32,
+        map: u32,
+        id: u32,
+        parent: u32,
+        negated: bool,
+    ) -> Self {
+        Self {
+            origin,
+            form,
+            map,
+            id,
+            literal: parent << 1 | u32::from(negated),
+        }
+    }
+
+    pub(super) fn parent(&self) -> u32 {
+        self.literal >> 1
+    }
+
+    pub(super) fn negated(&self) -> bool {
+        self.literal & 1 == 1
+    }
+
+    pub(super) fn local_ray(&self, map: &LinearMap, ray: &Ray) -> Ray {
+        Ray {
+            origin: map.inverse * (ray.origin - self.origin),
+            direction: map.inverse * ray.direction,
+            ..*ray
+        }
+    }
+
+    /// All events from `ray.tmin` on (and some before: a span comes whole), as the leaf at `position`.
+    pub(super) fn events(
+        &self,
+        position: u32,
+        form: &Form,
+        map: &LinearMap,
+        ray: &Ray,
+        mut emit: impl FnMut(Event),
+    ) {
+        let local = self.local_ray(map, ray);
+        let distance = local.origin.length();
+        let near = ray.origin.abs() + self.origin.abs();
+        // Within `chord`, the distance to the operand's next crossing: a shallower one is as good as none.
+        let certain = |t: f64, n: DVec3, chord: f64| {
+            let span = near + ray.at(t).abs();
+            let off = form.uncertainty(&map.inverse, span, distance, n);
+            (off / n.dot(local.direction).abs()).min(chord)
+        };
+        match &form.kind {
+            Kind::Solid(solid) => {
+                for span in solid.spans(&local).iter() {
+                    let chord = span.exit.t - span.enter.t;
+                    let event = |crossing: Crossing, enter: bool| {
+                        let t = crossing.t;
+                        let dt = if t.is_finite() {
+                            certain(t, solid.normal(local.at(t), crossing.face), chord)
+                        } else {
+                            0.0
+                        };
+                        Event {
+                            t,
+                            dt,
+                            leaf: position,
+                            face: crossing.face,
+                            enter,
+                        }
+                    };
+                    let exit = event(span.exit, false);
+                    if exit.latest() >= ray.tmin {
+                        emit(event(span.enter, true));
+                        emit(exit);
+                    }
+                }
+            }
+            Kind::Mesh(_) => {}
+        }
+    }
+
+    /// Whether the point `p` lies inside or on the surface.
+    pub(super) fn contains(&self, form: &Form, map: &LinearMap, p: DVec3) -> bool {
+        let local = map.inverse * (p - self.origin);
+        match &form.kind {
+            Kind::Solid(solid) => solid.contains(local),
+            Kind::Mesh(_) => false,
+        }
+    }
+}
