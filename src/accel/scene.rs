@@ -65,18 +65,11 @@ impl Accel {
             .collect::<Result<Vec<_>>>()?;
         let (mut bounded, mut boxes, mut endless) = (Vec::new(), Vec::new(), Vec::new());
         for (i, p) in placed.iter().enumerate() {
-            let bounds = match p.shape {
-                Shape::Mesh(id) => meshes[id.0 as usize].bounds,
-                Shape::Solid(solid) => solid.bounds(),
-                Shape::Csg(id) => csgs[id.0 as usize].bounds(),
-            };
-            if bounds.is_empty() {
-                continue;
-            }
+            let bounds = p.bounds(&meshes, &csgs);
             if bounds.is_finite() {
                 bounded.push(i as u32);
-                boxes.push(padded(&p.world_from_object.bounds(&bounds)));
-            } else {
+                boxes.push(bounds);
+            } else if !bounds.is_empty() {
                 endless.push(i as u32);
             }
         }
@@ -98,6 +91,22 @@ impl Accel {
     /// The box around everything that has an end.
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// The box around `instance` in world space; without end for a plane.
+    pub fn instance_bounds(&self, instance: u32) -> Bounds {
+        self.placed[instance as usize].bounds(&self.meshes, &self.csgs)
+    }
+
+    /// Whether `instance` holds the point `p`, or has it on its surface to within rounding.
+    pub fn contains(&self, instance: u32, p: DVec3) -> bool {
+        let placed = &self.placed[instance as usize];
+        let local = placed.world_from_object.inverse_point(p);
+        match placed.shape {
+            Shape::Mesh(_) => false,
+            Shape::Solid(solid) => solid.contains(local),
+            Shape::Csg(id) => self.csg(id).contains(local),
+        }
     }
 
     /// What building each mesh found.
@@ -255,6 +264,20 @@ impl Accel {
 }
 
 impl Placed {
+    /// The box around it in world space.
+    fn bounds(&self, meshes: &[Arc<MeshTree>], csgs: &[CsgTree]) -> Bounds {
+        let bounds = match self.shape {
+            Shape::Mesh(id) => meshes[id.0 as usize].bounds,
+            Shape::Solid(solid) => solid.bounds(),
+            Shape::Csg(id) => csgs[id.0 as usize].bounds(),
+        };
+        if bounds.is_finite() {
+            padded(&self.world_from_object.bounds(&bounds))
+        } else {
+            bounds
+        }
+    }
+
     /// `ray` in object space, ending at `tmax`.
     fn ray(&self, ray: &Ray, tmax: f64) -> Ray {
         let ray = Ray { tmax, ..*ray };

@@ -35,6 +35,8 @@ fn cos_refracted(cos_i: f32, eta: f32) -> Option<f32> {
 
 fn reflectance(cos_i: f32, cos_t: f32, eta: f32, fresnel: Fresnel) -> f32 {
     match fresnel {
+        // Between equal media there is no boundary; Schlick's formula has one.
+        _ if eta == 1.0 => 0.0,
         Fresnel::None => 0.0,
         Fresnel::Schlick => {
             // Schlick 1994, equation 15; the angle is the one in the thinner medium.

@@ -31,7 +31,7 @@ pub struct BsdfSample {
 enum Lobe {
     Diffuse { albedo: Rgb },
     Mirror { color: Rgb },
-    Dielectric { ior: f32, fresnel: Fresnel },
+    Dielectric { eta: f32, fresnel: Fresnel },
 }
 
 /// Scattering at a surface point, directions in world space.
@@ -52,8 +52,16 @@ pub struct Bsdf {
 
 impl Bsdf {
     /// The scattering of `surface` at `point` towards the side of the outward normal `ng` (`side` 1) or
-    /// the other (-1); `ns` lies on the side of `ng`.
-    pub fn new(surface: &Surface, point: &TexturePoint, ng: Vec3, ns: Vec3, side: f32) -> Self {
+    /// the other (-1); `ns` lies on the side of `ng`. At a dielectric `eta` is the index of refraction beyond the
+    /// surface over that on this side.
+    pub fn new(
+        surface: &Surface,
+        point: &TexturePoint,
+        ng: Vec3,
+        ns: Vec3,
+        side: f32,
+        eta: f32,
+    ) -> Self {
         let lobe = match surface {
             Surface::Diffuse { color } => Lobe::Diffuse {
                 albedo: color.eval(point),
@@ -61,8 +69,8 @@ impl Bsdf {
             Surface::Mirror { color } => Lobe::Mirror {
                 color: color.eval(point),
             },
-            Surface::Dielectric { ior, fresnel } => Lobe::Dielectric {
-                ior: *ior,
+            Surface::Dielectric { fresnel, .. } => Lobe::Dielectric {
+                eta,
                 fresnel: *fresnel,
             },
         };
@@ -129,7 +137,7 @@ impl Bsdf {
                     eta2: 1.0,
                 })
             }
-            Lobe::Dielectric { ior, fresnel } => {
+            Lobe::Dielectric { eta, fresnel } => {
                 // A view from behind the bent normal has no refraction there: use the true surface.
                 let bent = side * wo.dot(self.frame.z) <= 0.0;
                 let frame = if bent {
@@ -139,7 +147,6 @@ impl Bsdf {
                 };
                 let mut out = side * frame.to_local(wo);
                 out.z = out.z.max(0.0);
-                let eta = if side > 0.0 { ior } else { 1.0 / ior };
                 let scattered = dielectric::sample(out, eta, fresnel, u);
                 let wi = frame.to_world(side * scattered.wi);
                 let to = if scattered.transmitted { -side } else { side };

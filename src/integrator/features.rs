@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3};
 use crate::color::Rgb;
 use crate::math::{Frame, Ray};
 use crate::sampling::cosine_hemisphere;
-use crate::world::{SurfacePoint, World};
+use crate::world::{Media, SurfacePoint, World};
 
 use super::{CameraRay, Integrator};
 
@@ -60,7 +60,9 @@ impl FeatureIntegrator {
         match self {
             Self::Normals => 0.5 * facing(point.ns) + 0.5,
             Self::Depth => Rgb::splat(t as f32),
-            Self::Flat => world.bsdf(point).albedo() + world.material(point).emission,
+            Self::Flat => {
+                world.bsdf(point, &Media::default()).albedo() + world.material(point).emission
+            }
             Self::Ao { radius } => {
                 *traced += 1;
                 let [u, v, ..] = camera.sampler.set(1);

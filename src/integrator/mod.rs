@@ -9,11 +9,13 @@ pub use features::FeatureIntegrator;
 pub use path::PathIntegrator;
 pub use whitted::WhittedIntegrator;
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::IntegratorSettings;
-use crate::world::World;
+use crate::world::{Media, World};
 
 /// A ray from the camera with the canonical samples of its path. Set 0 is the camera's.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +31,17 @@ pub trait Integrator: Sync {
     /// Writes one estimate for each ray of the batch into `radiance`, of the same length; returns how
     /// many rays were traced. An estimate depends on its own ray and samples alone.
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64;
+}
+
+/// The media in which the rays of a batch start; mostly they have one origin.
+fn media(world: &World, batch: &[CameraRay]) -> impl Iterator<Item = Media> {
+    let mut last: Option<(DVec3, Media)> = None;
+    batch.iter().map(move |camera| {
+        let origin = camera.ray.origin;
+        let known = last.take().filter(|(at, _)| *at == origin);
+        let (_, media) = last.insert(known.unwrap_or_else(|| (origin, world.media_at(origin))));
+        media.clone()
+    })
 }
 
 /// The integrator that `settings` describe.

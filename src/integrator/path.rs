@@ -5,9 +5,9 @@ use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Sampler, power_heuristic};
-use crate::world::{SurfacePoint, World};
+use crate::world::{Media, SurfacePoint, World};
 
-use super::{CameraRay, Integrator};
+use super::{CameraRay, Integrator, media};
 
 /// Unidirectional path tracing: light sampling and BSDF sampling joined by multiple importance sampling.
 ///
@@ -36,6 +36,7 @@ struct Path {
     /// Where the last scattering happened and its density; infinite after a delta lobe or the camera.
     from: DVec3,
     pdf: f32,
+    media: Media,
 }
 
 /// Light that arrives if nothing is in the way.
@@ -48,14 +49,15 @@ struct ShadowRay {
 impl Integrator for PathIntegrator {
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
         radiance.fill(Rgb::ZERO);
-        let mut paths: Vec<Path> = (batch.iter().enumerate())
-            .map(|(index, camera)| Path {
+        let mut paths: Vec<Path> = (batch.iter().zip(media(world, batch)).enumerate())
+            .map(|(index, (camera, media))| Path {
                 index,
                 sampler: camera.sampler,
                 beta: Rgb::ONE,
                 eta2: 1.0,
                 from: camera.ray.origin,
                 pdf: f32::INFINITY,
+                media,
             })
             .collect();
         let mut rays: Vec<Ray> = batch.iter().map(|camera| camera.ray).collect();
@@ -79,7 +81,7 @@ impl Integrator for PathIntegrator {
                     continue;
                 }
                 let wo = -rays[i].direction.as_vec3();
-                let bsdf = world.bsdf(&point);
+                let bsdf = world.bsdf(&point, &paths[i].media);
                 let [pick, u, v, _] = paths[i].sampler.set(2 * depth + 2);
                 if bsdf.is_smooth()
                     && let Some((ray, light)) = direct(world, &point, &bsdf, pick, Vec2::new(u, v))
@@ -88,6 +90,8 @@ impl Integrator for PathIntegrator {
                     shadows.push(ShadowRay { index, ray, light });
                 }
                 if let Some(ray) = self.scatter(&mut paths[i], &point, &bsdf, wo, depth) {
+                    let wi = ray.direction.as_vec3();
+                    paths[i].media.follow(&point, world.material(&point), wi);
                     paths.swap(alive, i);
                     rays[alive] = ray;
                     alive += 1;

@@ -1,11 +1,12 @@
 use glam::Vec2;
 
+use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::{Light, LightSample};
 use crate::math::Ray;
-use crate::world::{SurfacePoint, World};
+use crate::world::{Media, SurfacePoint, World};
 
-use super::{CameraRay, Integrator};
+use super::{CameraRay, Integrator, media};
 
 /// Recursive ray tracing after Whitted 1980: diffuse surfaces show direct light, mirrors and glass pass
 /// the ray on. At a dielectric one of the two directions is followed, by chance.
@@ -22,15 +23,15 @@ pub struct WhittedIntegrator {
 impl Integrator for WhittedIntegrator {
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
         let mut traced = 0;
-        for (camera, radiance) in batch.iter().zip(radiance) {
-            *radiance = self.follow(world, camera, &mut traced);
+        for ((camera, media), radiance) in batch.iter().zip(media(world, batch)).zip(radiance) {
+            *radiance = self.follow(world, camera, media, &mut traced);
         }
         traced
     }
 }
 
 impl WhittedIntegrator {
-    fn follow(&self, world: &World, camera: &CameraRay, traced: &mut u64) -> Rgb {
+    fn follow(&self, world: &World, camera: &CameraRay, mut media: Media, traced: &mut u64) -> Rgb {
         let mut ray = camera.ray;
         let mut beta = Rgb::ONE;
         let mut light = Rgb::ZERO;
@@ -41,16 +42,17 @@ impl WhittedIntegrator {
             };
             let point = world.surface(&ray, &hit);
             light += beta * world.material(&point).emission;
-            let bsdf = world.bsdf(&point);
+            let bsdf = world.bsdf(&point, &media);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {
-                return light + beta * self.direct(world, &point, camera, depth, traced);
+                return light + beta * self.direct(world, &point, &bsdf, camera, depth, traced);
             }
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
             let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
                 return light;
             };
             beta *= sample.weight;
+            media.follow(&point, world.material(&point), sample.wi);
             ray = point.spawn(sample.wi);
         }
         light + beta * self.background.unwrap_or(Rgb::ZERO)
@@ -61,11 +63,11 @@ impl WhittedIntegrator {
         &self,
         world: &World,
         point: &SurfacePoint,
+        bsdf: &Bsdf,
         camera: &CameraRay,
         depth: u32,
         traced: &mut u64,
     ) -> Rgb {
-        let bsdf = world.bsdf(point);
         let mut add = |sample: LightSample| {
             let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
                 return Rgb::ZERO;

@@ -25,7 +25,12 @@ fn bsdf(surface: &Surface, ns: Vec3, side: f32) -> Bsdf {
         n: DVec3::Z,
         uv: Vec2::ZERO,
     };
-    Bsdf::new(surface, &point, NG, ns, side)
+    let eta = match surface {
+        Surface::Dielectric { ior, .. } if side > 0.0 => *ior,
+        Surface::Dielectric { ior, .. } => 1.0 / ior,
+        _ => 1.0,
+    };
+    Bsdf::new(surface, &point, NG, ns, side, eta)
 }
 
 /// Directions spread evenly over the sphere by a lattice, each for the same solid angle.

@@ -10,7 +10,7 @@ use solidtrace::material::{Fresnel, Surface};
 use solidtrace::sampling::{SamplerKind, uniform_sphere};
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
-use solidtrace::world::World;
+use solidtrace::world::{Media, World};
 
 use crate::support::meshes::{box_mesh, moved, sphere_mesh};
 use crate::support::{
@@ -302,7 +302,7 @@ impl Integrator for BsdfOnly {
                 let point = world.surface(&ray, &hit);
                 *out += beta * world.material(&point).emission;
                 let [pick, u, v, _] = camera.sampler.set(depth + 1);
-                let bsdf = world.bsdf(&point);
+                let bsdf = world.bsdf(&point, &Media::default());
                 let wo = -ray.direction.as_vec3();
                 let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
                     break;

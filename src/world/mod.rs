@@ -1,0 +1,131 @@
+//! The scene with its trees and lights built: answers rays.
+
+mod emitters;
+mod media;
+mod surface;
+
+use glam::DVec3;
+
+use crate::accel::{Accel, Hit, MeshReport, Placed};
+use crate::bsdf::Bsdf;
+use crate::error::Result;
+use crate::light::{Light, LightSampler};
+use crate::material::{Material, Surface};
+use crate::math::{Bounds, Ray};
+use crate::scene::{Instance, Scene};
+
+use emitters::Emitters;
+pub use media::Media;
+use media::Medium;
+pub use surface::SurfacePoint;
+
+/// Everything that rendering reads, immutable.
+#[derive(Debug)]
+pub struct World {
+    scene: Scene,
+    accel: Accel,
+    lights: LightSampler,
+    /// For each instance where its lights start in the sampler's list.
+    emitters: Vec<Emitters>,
+    /// The instances that light goes through.
+    clear: Vec<Medium>,
+}
+
+impl World {
+    /// Builds trees and lights.
+    ///
+    /// # Errors
+    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an open mesh.
+    pub fn build(scene: Scene) -> Result<Self> {
+        let placed = (scene.instances.iter())
+            .map(|instance| Placed {
+                shape: instance.shape,
+                world_from_object: instance.world_from_object,
+            })
+            .collect();
+        let accel = Accel::build(&scene.meshes, &scene.csgs, placed)?;
+        let mut lights: Vec<Light> = scene.lights.iter().copied().map(Light::Point).collect();
+        let emitters = (0..scene.instances.len())
+            .map(|i| Emitters::find(&scene, &accel, i, &mut lights))
+            .collect();
+        let clear = (0..scene.instances.len()).filter_map(|i| Medium::of(&scene, i));
+        Ok(Self {
+            clear: clear.collect(),
+            lights: LightSampler::new(lights),
+            scene,
+            accel,
+            emitters,
+        })
+    }
+
+    /// The scene it was built from.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The lights that paths can aim at.
+    pub fn lights(&self) -> &LightSampler {
+        &self.lights
+    }
+
+    /// The box around everything but planes.
+    pub fn bounds(&self) -> Bounds {
+        self.accel.bounds()
+    }
+
+    /// What building the meshes' trees found, in all.
+    pub fn mesh_report(&self) -> MeshReport {
+        (self.accel.mesh_reports()).fold(MeshReport::default(), |sum, one| MeshReport {
+            triangles: sum.triangles + one.triangles,
+            degenerate: sum.degenerate + one.degenerate,
+            duplicate: sum.duplicate + one.duplicate,
+            bytes: sum.bytes + one.bytes,
+        })
+    }
+
+    /// The closest hit with `tmin < t < tmax`.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.accel.intersect(ray)
+    }
+
+    /// Whether anything lies in `tmin < t < tmax`.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.accel.occluded(ray)
+    }
+
+    /// The closest hit of each ray, into `hits` of the same length.
+    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len());
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.intersect(ray);
+        }
+    }
+
+    /// The instance that was hit.
+    pub fn instance(&self, hit: &Hit) -> &Instance {
+        &self.scene.instances[hit.instance as usize]
+    }
+
+    /// The material at a surface point.
+    pub fn material(&self, point: &SurfacePoint) -> &Material {
+        &self.scene.materials[point.material.0 as usize]
+    }
+
+    /// How the surface scatters light that comes from a path in `media`.
+    pub fn bsdf(&self, point: &SurfacePoint, media: &Media) -> Bsdf {
+        let surface = &self.material(point).surface;
+        let eta = match surface {
+            Surface::Dielectric { ior, .. } => media.eta(point, *ior),
+            _ => 1.0,
+        };
+        let SurfacePoint { ng, ns, side, .. } = *point;
+        Bsdf::new(surface, &point.texture, ng, ns, side, eta)
+    }
+
+    /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0
+    /// where the surface is not among the lights.
+    pub fn light_pdf(&self, from: DVec3, hit: &Hit, p: DVec3) -> f32 {
+        let light = self.emitters[hit.instance as usize].light(hit);
+        light.map_or(0.0, |light| self.lights.pdf(light, from, p))
+    }
+}

@@ -1,0 +1,158 @@
+//! From a hit to a point ready for shading.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::accel::Hit;
+use crate::geometry::{CsgId, MeshId, Operand, Shape, Solid};
+use crate::material::MaterialId;
+use crate::math::Ray;
+use crate::texture::TexturePoint;
+
+use super::World;
+
+/// A point on a surface, ready for shading.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Where, in world space.
+    pub p: DVec3,
+    /// Whose surface.
+    pub instance: u32,
+    /// A ray must start this far off the surface so as not to meet it again.
+    pub error: f64,
+    /// Outward geometric normal.
+    pub ng: Vec3,
+    /// 1 where the ray came from the side of `ng`, -1 where it came from inside.
+    pub side: f32,
+    /// Shading normal, on the side of `ng`.
+    pub ns: Vec3,
+    /// What textures see.
+    pub texture: TexturePoint,
+    /// The surface's material.
+    pub material: MaterialId,
+}
+
+impl World {
+    /// The surface where `ray` was hit.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let instance = self.instance(hit);
+        let transform = &instance.world_from_object;
+        let local = transform.inverse_ray(ray);
+        let at = match instance.shape {
+            Shape::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Shape::Mesh(id) => self.on_mesh(id, hit.primitive, hit.uv, instance.smooth),
+            Shape::Csg(id) => self.on_csg(id, &local, hit, instance.smooth),
+        };
+        let outward = transform.normal(at.n);
+        let ng = outward.as_vec3().normalize();
+        let ns = (at.shading)
+            .map(|n| transform.normal(n).as_vec3())
+            .filter(|n| n.is_finite())
+            .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n });
+        SurfacePoint {
+            p: transform.point(at.p),
+            instance: hit.instance,
+            error: self.accel.error_at(hit, at.p, at.n),
+            ng,
+            side: if hit.inside { -1.0 } else { 1.0 },
+            ns,
+            texture: TexturePoint {
+                p: at.p,
+                n: at.n,
+                uv: at.uv,
+            },
+            material: instance.material(at.slot),
+        }
+    }
+
+    fn on_mesh(&self, id: MeshId, triangle: u32, weights: Vec2, smooth: bool) -> LocalPoint {
+        let mesh = &self.scene.meshes[id.0 as usize];
+        let corner = mesh.triangles[triangle as usize];
+        let [a, b, c] = mesh.corners(triangle).map(Vec3::as_dvec3);
+        let (ab, ac) = (b - a, c - a);
+        let (v, w) = (weights.x, weights.y);
+        let u = 1.0 - v - w;
+        let shading = (smooth && !mesh.normals.is_empty()).then(|| {
+            let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
+            (u * na + v * nb + w * nc).as_dvec3()
+        });
+        let uv = if mesh.uvs.is_empty() {
+            weights
+        } else {
+            let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
+            u * ta + v * tb + w * tc
+        };
+        LocalPoint {
+            p: a + f64::from(v) * ab + f64::from(w) * ac,
+            n: ab.cross(ac).normalize(),
+            shading,
+            uv,
+            slot: mesh.slot(triangle),
+        }
+    }
+
+    /// A point on the surface of one operand, seen from the whole: where that is subtracted, its normals turn round.
+    fn on_csg(&self, id: CsgId, ray: &Ray, hit: &Hit, smooth: bool) -> LocalPoint {
+        let csg = &self.scene.csgs[id.0 as usize];
+        let (operand, transform) = csg.operand(hit.primitive);
+        let local = transform.inverse_ray(ray);
+        let at = match operand {
+            Operand::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Operand::Mesh(mesh) | Operand::OpenMesh(mesh) => {
+                self.on_mesh(mesh, hit.face, hit.uv, smooth)
+            }
+        };
+        let sign = if hit.negated { -1.0 } else { 1.0 };
+        LocalPoint {
+            p: transform.point(at.p),
+            n: sign * transform.normal(at.n),
+            shading: at.shading.map(|n| sign * transform.normal(n)),
+            uv: at.uv,
+            slot: csg.slot(hit.primitive, at.slot),
+        }
+    }
+}
+
+/// A point on a surface in the object's space.
+struct LocalPoint {
+    p: DVec3,
+    /// Outward unit normal.
+    n: DVec3,
+    /// Interpolated normal, not of unit length.
+    shading: Option<DVec3>,
+    uv: Vec2,
+    /// Material slot.
+    slot: u32,
+}
+
+fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
+    let p = solid.project(ray.at(t), face);
+    LocalPoint {
+        p,
+        n: solid.normal(p, face),
+        shading: None,
+        uv: solid.uv(p, face).as_vec2(),
+        slot: 0,
+    }
+}
+
+impl SurfacePoint {
+    /// The surface's point moved clear of it, to the side of `direction`.
+    pub fn origin(&self, direction: Vec3) -> DVec3 {
+        let side = self.error.copysign(f64::from(direction.dot(self.ng)));
+        self.p + side * self.ng.as_dvec3()
+    }
+
+    /// A ray that leaves the surface.
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        Ray::new(self.origin(direction), direction.as_dvec3())
+    }
+
+    /// The segment from the surface to `target`, for a shadow query.
+    pub fn towards(&self, target: DVec3) -> Ray {
+        let origin = self.origin((target - self.p).as_vec3());
+        Ray {
+            tmax: 1.0,
+            ..Ray::new(origin, target - origin)
+        }
+    }
+}
