@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3};
 use solidtrace::camera::Camera;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::{Filter, PixelSum};
-use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
+use solidtrace::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use solidtrace::integrator::{Integrator, integrator};
 use solidtrace::light::PointLight;
 use solidtrace::material::{Material, MaterialId, Surface};
@@ -71,6 +71,7 @@ pub trait Build {
     fn place(&mut self, shape: Shape, material: MaterialId, at: DAffine3) -> &mut Self;
     fn solid(&mut self, solid: Solid, material: MaterialId, at: DVec3) -> &mut Self;
     fn mesh(&mut self, mesh: Mesh, material: MaterialId) -> &mut Self;
+    fn csg(&mut self, csg: Csg, materials: &[MaterialId], at: DAffine3) -> &mut Self;
     fn point_light(&mut self, position: DVec3, intensity: f32) -> &mut Self;
     fn world(self) -> World;
 }
@@ -108,6 +109,15 @@ impl Build for Scene {
         self.meshes.push(mesh);
         let id = MeshId(self.meshes.len() as u32 - 1);
         self.place(Shape::Mesh(id), material, DAffine3::IDENTITY)
+    }
+
+    fn csg(&mut self, csg: Csg, materials: &[MaterialId], at: DAffine3) -> &mut Self {
+        self.csgs.push(csg);
+        let id = CsgId(self.csgs.len() as u32 - 1);
+        self.place(Shape::Csg(id), materials[0], at);
+        let last = self.instances.last_mut().unwrap();
+        last.materials = materials.to_vec();
+        self
     }
 
     fn point_light(&mut self, position: DVec3, intensity: f32) -> &mut Self {
