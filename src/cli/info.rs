@@ -1,13 +1,13 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::accel::MeshReport;
+use crate::accel::{CsgReport, MeshReport};
 use crate::error::{Place, Result};
 use crate::geometry::{Shape, Solid};
 use crate::scene::Scene;
 use crate::world::World;
 
-use super::{InputArgs, grouped, size_text, warn};
+use super::{InputArgs, csgs, grouped, size_text, warn};
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
@@ -24,8 +24,18 @@ struct Summary {
     mesh_instances: usize,
     solids: usize,
     planes: usize,
+    csg_instances: usize,
     mesh: MeshReport,
+    csgs: Vec<CsgSummary>,
     bounds: Option<[[f64; 3]; 2]>,
+}
+
+/// One CSG object.
+struct CsgSummary {
+    name: String,
+    report: CsgReport,
+    coincident: usize,
+    empty: bool,
 }
 
 pub(super) fn run(args: &InfoArgs) -> Result<()> {
@@ -49,12 +59,24 @@ impl Summary {
             .filter(|s| *s == Shape::Solid(Solid::Plane))
             .count();
         let meshes = shapes().filter(|s| matches!(s, Shape::Mesh(_))).count();
+        let csg_instances = shapes().filter(|s| matches!(s, Shape::Csg(_))).count();
         let bounds = world.bounds();
+        let csgs = csgs(scene).map(|(name, id)| {
+            let csg = world.csg(id);
+            CsgSummary {
+                name,
+                report: csg.report(),
+                coincident: csg.coincident_faces(),
+                empty: csg.bounds().is_empty(),
+            }
+        });
         Self {
             instances: scene.instances.len(),
             mesh_instances: meshes,
-            solids: scene.instances.len() - meshes - planes,
+            solids: scene.instances.len() - meshes - planes - csg_instances,
             planes,
+            csg_instances,
+            csgs: csgs.collect(),
             mesh: world.mesh_report(),
             bounds: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         }
@@ -67,6 +89,8 @@ impl Summary {
             "mesh_instances": self.mesh_instances,
             "solids": self.solids,
             "planes": self.planes,
+            "csg_instances": self.csg_instances,
+            "csg_objects": self.csgs.iter().map(CsgSummary::json).collect::<Vec<_>>(),
             "meshes": scene.meshes.len(),
             "vertices": vertices(scene),
             "triangles": self.mesh.triangles,
@@ -88,11 +112,12 @@ impl Summary {
         let n = |count: usize| grouped(count as u64);
         let mut lines = vec![
             format!(
-                "objects    {} ({} meshes, {} solids, {} planes)",
+                "objects    {} ({} meshes, {} solids, {} planes, {} of CSG)",
                 n(self.instances),
                 n(self.mesh_instances),
                 n(self.solids),
-                n(self.planes)
+                n(self.planes),
+                n(self.csg_instances)
             ),
             format!(
                 "triangles  {} of {} meshes, {} vertices",
@@ -109,6 +134,7 @@ impl Summary {
             ));
         }
         lines.push(format!("trees      {}", size_text(self.mesh.bytes)));
+        lines.extend(self.csgs.iter().map(CsgSummary::text));
         let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
         lines.push(format!("materials  {} ({})", names.len(), names.join(", ")));
         lines.push(format!("lights     {}", n(world.lights().lights().len())));
@@ -119,6 +145,52 @@ impl Summary {
         let (w, h) = scene.film.size;
         lines.push(format!("picture    {w}x{h}, {} spp", scene.film.spp));
         lines.join("\n") + "\n"
+    }
+}
+
+impl CsgSummary {
+    fn json(&self) -> serde_json::Value {
+        json!({
+            "name": self.name.trim_matches('`'),
+            "operands": self.report.operands,
+            "dropped_operands": self.report.dropped,
+            "operators": self.report.operators,
+            "operators_flattened": self.report.flattened,
+            "depth": self.report.depth,
+            "coincident_faces": self.coincident,
+            "empty": self.empty,
+            "bytes": self.report.bytes,
+        })
+    }
+
+    fn text(&self) -> String {
+        let n = |count: usize| grouped(count as u64);
+        let CsgReport {
+            operands,
+            dropped,
+            operators,
+            flattened,
+            depth,
+            bytes,
+        } = self.report;
+        let mut text = format!(
+            "csg        {}: {} operands, {} operators (flattened {}), depth {}, {}",
+            self.name,
+            n(operands),
+            n(operators),
+            n(flattened),
+            n(depth),
+            size_text(bytes)
+        );
+        if self.empty {
+            text += "; nothing is left of it";
+        } else if dropped > 0 {
+            text += &format!("; {} operands dropped as empty", n(dropped));
+        }
+        if self.coincident > 0 {
+            text += &format!("; note: {} pairs of coincident faces", n(self.coincident));
+        }
+        text
     }
 }
 

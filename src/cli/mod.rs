@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::error::{ErrorKind, Place, Result};
+use crate::geometry::{CsgId, Shape};
 use crate::io::{ReadOptions, read_scene};
 use crate::scene::Scene;
 use crate::world::World;
@@ -63,8 +64,26 @@ impl InputArgs {
                 grouped(report.duplicate as u64)
             );
         }
+        for (name, id) in csgs(world.scene()) {
+            if world.csg(id).bounds().is_empty() {
+                eprintln!("warning: nothing is left of the CSG object {name}");
+            }
+        }
         Ok(world)
     }
+}
+
+/// The scene's CSG objects, each with the name of the first instance that places it, or else its number.
+fn csgs(scene: &Scene) -> impl Iterator<Item = (String, CsgId)> {
+    (0..scene.csgs.len() as u32).map(CsgId).map(|id| {
+        let mut users = (scene.instances.iter()).filter(move |i| i.shape == Shape::Csg(id));
+        let name = users.find_map(|instance| instance.name.as_deref());
+        let name = name.map_or_else(
+            || format!("number {}", id.0 + 1),
+            |name| format!("`{name}`"),
+        );
+        (name, id)
+    })
 }
 
 /// Exit code of a run that Ctrl-C ended.

@@ -65,6 +65,16 @@ pub(crate) struct LinearMap {
     pub(crate) inverse: DMat3,
 }
 
+impl LinearMap {
+    /// This map, and then the origin moved to `origin`.
+    pub(crate) fn at(&self, origin: DVec3) -> Transform {
+        Transform::of_parts(
+            DAffine3::from_mat3_translation(self.forward, origin),
+            DAffine3::from_mat3_translation(self.inverse, -(self.inverse * origin)),
+        )
+    }
+}
+
 /// An operand in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CsgLeaf {
@@ -170,11 +180,7 @@ impl Csg {
     /// Operand `index` and its transform.
     pub fn operand(&self, index: u32) -> (Operand, Transform) {
         let leaf = &self.leaves[index as usize];
-        let map = &self.maps[leaf.map as usize];
-        let transform = Transform::of_parts(
-            DAffine3::from_mat3_translation(map.forward, leaf.origin),
-            DAffine3::from_mat3_translation(map.inverse, -(map.inverse * leaf.origin)),
-        );
+        let transform = self.maps[leaf.map as usize].at(leaf.origin);
         (self.operands[leaf.operand as usize], transform)
     }
 

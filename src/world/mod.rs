@@ -6,9 +6,10 @@ mod surface;
 
 use glam::DVec3;
 
-use crate::accel::{Accel, Hit, MeshReport, Placed};
+use crate::accel::{Accel, CsgTree, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
 use crate::error::Result;
+use crate::geometry::CsgId;
 use crate::light::{Light, LightSampler};
 use crate::material::{Material, Surface};
 use crate::math::{Bounds, Ray};
@@ -68,7 +69,7 @@ impl World {
         &self.lights
     }
 
-    /// The box around everything but planes.
+    /// The box around everything that has an end.
     pub fn bounds(&self) -> Bounds {
         self.accel.bounds()
     }
@@ -81,6 +82,11 @@ impl World {
             duplicate: sum.duplicate + one.duplicate,
             bytes: sum.bytes + one.bytes,
         })
+    }
+
+    /// A CSG object of the scene.
+    pub fn csg(&self, id: CsgId) -> &CsgTree {
+        self.accel.csg(id)
     }
 
     /// The closest hit with `tmin < t < tmax`.

@@ -3,6 +3,7 @@
 //! The cost of a ray grows with the logarithm of the number of operands, for it sees only those that it meets, in
 //! order, up to its first hit.
 
+mod coincident;
 mod flatten;
 mod operand;
 mod sweep;
