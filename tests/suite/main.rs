@@ -5,6 +5,7 @@ mod accel;
 mod bare_model;
 mod bsdf;
 mod cli;
+mod csg_scene;
 mod embree;
 mod exr;
 mod film;

@@ -26,6 +26,14 @@ struct Context {
     material: Option<MaterialId>,
 }
 
+/// A CSG object in the making.
+struct Draft {
+    csg: Csg,
+    materials: Vec<MaterialId>,
+    /// Whether all meshes in it have interpolated normals.
+    smooth: bool,
+}
+
 impl<'a> Loader<'a> {
     /// The CSG object of a tree whose root is an operator or a `Repeat`. The root's own name, material and transform
     /// are left out of it.
@@ -35,70 +43,52 @@ impl<'a> Loader<'a> {
     pub(super) fn csg(&mut self, tree: &'a [ObjectDescription]) -> Result<Instance> {
         let (parents, opened) = links(tree);
         let contexts = self.contexts(tree, &parents)?;
-        let mut frame = Csg::default();
-        let mut outer_frames = Vec::new();
-        let mut materials = Vec::new();
-        let mut smooth = true;
+        let mut outer = Vec::new();
+        let mut draft = Draft {
+            csg: Csg::default(),
+            materials: Vec::new(),
+            smooth: true,
+        };
         for (i, object) in tree.iter().enumerate() {
             for _ in 0..opened[i] {
-                outer_frames.push(mem::take(&mut frame));
+                outer.push(mem::take(&mut draft.csg));
             }
             match &object.shape {
                 &ShapeDescription::Csg { op, operands } => {
                     self.grow(1, object.offset)?;
-                    frame.combine(op, operands);
+                    draft.csg.combine(op, operands);
                 }
                 ShapeDescription::Repeat(repeat) => {
-                    let outer = outer_frames.pop().expect("one was opened for it");
-                    let one = mem::replace(&mut frame, outer);
+                    let outer = outer.pop().expect("one was opened for it");
+                    let one = mem::replace(&mut draft.csg, outer);
                     let copies = repeat.copies();
                     self.grow(one.steps.len().saturating_mul(copies), object.offset)?;
                     let places = repeat.positions().map(|(_, position)| {
                         let place = Transform::rigid(DMat3::IDENTITY, position);
                         contexts[i].frame_from_self.after(&place)
                     });
-                    frame.append(&one, places, 0..materials.len() as u32);
-                    frame.combine(CsgOp::Union, copies);
+                    let slots = 0..draft.materials.len() as u32;
+                    draft.csg.append(&one, places, slots);
+                    draft.csg.combine(CsgOp::Union, copies);
                 }
                 _ => {
                     let parent = parents[i];
-                    let frame_from_parent = frame_from_operands(&tree[parent], &contexts[parent]);
-                    let pieces = self.instances(slice::from_ref(object), Role::Operand)?;
-                    if pieces.is_empty() {
-                        let message = "an operand without any mesh, of which there is no inside";
-                        return Err(Error::input(message).at(self.place(object.offset)));
-                    }
-                    for piece in &pieces {
-                        let place = frame_from_parent.after(&piece.world_from_object);
-                        let shared = contexts[parent].material.as_ref();
-                        let own = shared.map_or(&piece.materials[..], slice::from_ref);
-                        let slots = slots(&mut materials, own);
-                        smooth &= piece.smooth;
-                        self.grow(1, object.offset)?;
-                        match piece.shape {
-                            Shape::Solid(solid) => frame.push(Operand::Solid(solid), &place, slots),
-                            Shape::Mesh(id) => {
-                                frame.push(self.mesh_operand(id, object)?, &place, slots);
-                            }
-                            Shape::Csg(id) => {
-                                let steps = self.csgs[id.0 as usize].steps.len();
-                                self.grow(steps, object.offset)?;
-                                frame.append(&self.csgs[id.0 as usize], [place], slots);
-                            }
-                        }
-                    }
-                    if pieces.len() > 1 {
-                        frame.combine(CsgOp::Union, pieces.len());
-                    }
+                    let place = frame_from_operands(&tree[parent], &contexts[parent]);
+                    self.add(object, &place, contexts[parent].material, &mut draft)?;
                 }
             }
         }
-        let finite = frame.leaves.iter().all(|leaf| leaf.origin.is_finite())
-            && (frame.maps.iter()).all(|map| map.forward.is_finite() && map.inverse.is_finite());
+        let Draft {
+            csg,
+            materials,
+            smooth,
+        } = draft;
+        let finite = csg.leaves.iter().all(|leaf| leaf.origin.is_finite())
+            && (csg.maps.iter()).all(|map| map.forward.is_finite() && map.inverse.is_finite());
         if !finite {
             return Err(self.too_far(&tree[tree.len() - 1]));
         }
-        self.csgs.push(frame);
+        self.csgs.push(csg);
         Ok(Instance {
             name: None,
             shape: Shape::Csg(CsgId(self.csgs.len() as u32 - 1)),
@@ -106,6 +96,44 @@ impl<'a> Loader<'a> {
             world_from_object: Transform::IDENTITY,
             smooth,
         })
+    }
+
+    /// Adds an object that is no operator in its `place`, with the material that it shares, if it does.
+    fn add(
+        &mut self,
+        object: &'a ObjectDescription,
+        place: &Transform,
+        shared: Option<MaterialId>,
+        draft: &mut Draft,
+    ) -> Result<()> {
+        let pieces = self.instances(slice::from_ref(object), Role::Operand)?;
+        if pieces.is_empty() {
+            let message = "the operand has no meshes, and so no inside";
+            return Err(Error::input(message).at(self.place(object.offset)));
+        }
+        for piece in &pieces {
+            self.grow(1, object.offset)?;
+            draft.smooth &= piece.smooth;
+            let materials = shared
+                .as_ref()
+                .map_or(&piece.materials[..], slice::from_ref);
+            let slots = slots(&mut draft.materials, materials);
+            let place = place.after(&piece.world_from_object);
+            let operand = match piece.shape {
+                Shape::Solid(solid) => Operand::Solid(solid),
+                Shape::Mesh(id) => self.mesh_operand(id, object)?,
+                Shape::Csg(id) => {
+                    self.grow(self.csgs[id.0 as usize].steps.len(), object.offset)?;
+                    draft.csg.append(&self.csgs[id.0 as usize], [place], slots);
+                    continue;
+                }
+            };
+            draft.csg.push(operand, &place, slots);
+        }
+        if pieces.len() > 1 {
+            draft.csg.combine(CsgOp::Union, pieces.len());
+        }
+        Ok(())
     }
 
     /// The context of each operator of a tree.

@@ -147,7 +147,7 @@ struct Loader<'a> {
     room: usize,
 }
 
-impl<'a> Loader<'a> {
+impl Loader<'_> {
     fn place(&self, offset: Offset) -> Place {
         self.description.source.place(offset)
     }

@@ -36,7 +36,10 @@ impl<'a> Loader<'a> {
             ShapeDescription::Solid { solid, placement } => vec![Instance {
                 name: None,
                 shape: Shape::Solid(*solid),
-                materials: vec![self.scene.default_material()],
+                materials: match object.material {
+                    Some(_) => Vec::new(),
+                    None => vec![self.scene.default_material()],
+                },
                 world_from_object: *placement,
                 smooth: true,
             }],
@@ -115,7 +118,7 @@ impl<'a> Loader<'a> {
         Ok(copies)
     }
 
-    /// Gives instances the material and transform of their object, and a name that starts with its.
+    /// Gives instances the material and transform of their object, if it has them, and a name that starts with its.
     fn dress(
         &self,
         object: &ObjectDescription,

@@ -11,24 +11,19 @@ use super::operators::{operator, repeat};
 use super::transforms::transform;
 use super::tree::{Node, Result};
 
-/// What is left to do for a tree, the next at the end.
-enum Step<'n, 't> {
-    Read(&'n Node<'t>),
-    /// The operands of this one are in the tree.
-    Add(ObjectDescription),
-}
-
 pub(super) fn object(node: &Node) -> Result<ObjectTree> {
     let mut tree = Vec::new();
-    let mut steps = vec![Step::Read(node)];
-    while let Some(step) = steps.pop() {
-        match step {
-            Step::Read(node) => {
-                let (object, operands) = read(node)?;
-                steps.push(Step::Add(object));
-                steps.extend(operands.into_iter().rev().map(Step::Read));
-            }
-            Step::Add(object) => tree.push(object),
+    // Objects whose operands are being read, and what comes next, the first at the end: a node to read, or nothing,
+    // where the last of those objects has all its operands in the tree.
+    let (mut open, mut next) = (Vec::new(), vec![Some(node)]);
+    while let Some(node) = next.pop() {
+        if let Some(node) = node {
+            let (object, operands) = read(node)?;
+            open.push(object);
+            next.push(None);
+            next.extend(operands.into_iter().rev().map(Some));
+        } else {
+            tree.extend(open.pop());
         }
     }
     Ok(ObjectTree(tree))
