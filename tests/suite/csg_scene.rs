@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 
 use solidtrace::geometry::{Csg, CsgOp, Operand, Shape, Solid};
+use solidtrace::io::{OpenMeshOperands, ReadOptions};
 use solidtrace::math::Transform;
 use solidtrace::scene::description::{
     ObjectDescription, ObjectTree, Offset, Reference, ShapeDescription,
@@ -12,13 +13,18 @@ use solidtrace::scene::description::{
 use solidtrace::scene::{Instance, Repeat, Scene, SceneDescription};
 
 /// A scene in `folder` with three materials.
-fn scene_in(folder: &Path, objects: &str, definitions: &str) -> Scene {
+fn describe(folder: &Path, objects: &str, definitions: &str) -> SceneDescription {
     let text = format!(
         "(camera: Perspective(eye: (0, 0, 9), look_at: (0, 0, 0), vfov: 45),
         materials: {{\"red\": Mirror(), \"green\": Mirror(), \"blue\": Mirror()}},
         objects: [{objects}], definitions: {{{definitions}}})"
     );
-    let scene = SceneDescription::from_text(folder.join("test.ron"), &text).and_then(|d| d.load());
+    let description = SceneDescription::from_text(folder.join("test.ron"), &text);
+    description.unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn scene_in(folder: &Path, objects: &str, definitions: &str) -> Scene {
+    let scene = describe(folder, objects, definitions).load();
     scene.unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -262,6 +268,44 @@ fn one_mesh_with_flat_normals_makes_the_object_flat() {
     let folder = tetrahedron();
     let objects = "Union(of: [Sphere(radius: 1), Mesh(file: \"t.obj\", smooth: false)])";
     assert!(!scene_in(folder.path(), objects, "").instances[0].smooth);
+}
+
+#[test]
+fn open_meshes_are_refused_or_judged_by_their_winding() {
+    let folder = tetrahedron();
+    let closed = std::fs::read_to_string(folder.path().join("t.obj")).unwrap();
+    let open = closed.replace("f 3 1 4\n", "");
+    std::fs::write(folder.path().join("open.obj"), open).unwrap();
+    let load = |objects: &str, open_mesh_operands| {
+        let options = ReadOptions {
+            open_mesh_operands,
+            ..ReadOptions::default()
+        };
+        describe(folder.path(), objects, "").load_with(&options)
+    };
+    let both =
+        "Union(of: [Mesh(file: \"t.obj\"), Mesh(file: \"open.obj\"), Mesh(file: \"open.obj\")])";
+    let error = load(both, OpenMeshOperands::Refuse).unwrap_err();
+    assert!(error.message().contains("not closed"), "{error}");
+    assert!(error.place().unwrap().file.ends_with("open.obj"), "{error}");
+
+    let scene = load(both, OpenMeshOperands::Winding).unwrap();
+    let operand = |i| only(&scene).operand(i).0;
+    assert!(matches!(operand(0), Operand::Mesh(_)));
+    assert!(matches!(operand(1), Operand::OpenMesh(_)));
+    assert_eq!(operand(1), operand(2));
+    let [warning] = &scene.warnings[..] else {
+        panic!("{:?}", scene.warnings);
+    };
+    assert!(
+        warning.contains("open.obj: the mesh is not closed"),
+        "{warning}"
+    );
+    assert_eq!(warning.lines().count(), 1);
+
+    // Alone it stands in the world as ever.
+    let alone = load("Mesh(file: \"open.obj\")", OpenMeshOperands::Refuse).unwrap();
+    assert_eq!((alone.instances.len(), alone.warnings.len()), (1, 0));
 }
 
 #[test]
