@@ -9,11 +9,11 @@ mod values;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{ErrorKind, Place, Result};
 use crate::geometry::{CsgId, Shape};
-use crate::io::{ReadOptions, read_scene};
+use crate::io::{OpenMeshOperands, ReadOptions, read_scene};
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -43,12 +43,27 @@ struct InputArgs {
     /// Let the scene use files of this folder too; may be repeated
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
+    /// What to do with a mesh that CSG needs the inside of and that has holes
+    #[arg(long, value_enum, default_value = "refuse")]
+    open_mesh_operands: OpenMeshName,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum OpenMeshName {
+    /// It is an error
+    Refuse,
+    /// Inside is where it winds around a point, with a warning
+    Winding,
 }
 
 impl InputArgs {
     fn read(&self) -> Result<Scene> {
         let options = ReadOptions {
             allow_paths: self.allow_path.clone(),
+            open_mesh_operands: match self.open_mesh_operands {
+                OpenMeshName::Refuse => OpenMeshOperands::Refuse,
+                OpenMeshName::Winding => OpenMeshOperands::Winding,
+            },
         };
         read_scene(&self.input, &options)
     }

@@ -1,3 +1,4 @@
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -131,13 +132,23 @@ impl Csg {
         self.results -= count - 1;
     }
 
-    /// Adds all results of `other` once for each of `places`, with material slots counted from `slot`.
-    pub fn append(&mut self, other: &Self, places: &[Transform], slot: u32) {
+    /// Adds all results of `other` once for each of `places`. Its material slots are the instance's `slots`; where it
+    /// has more than that, the last of them is on the rest.
+    pub fn append(
+        &mut self,
+        other: &Self,
+        places: impl IntoIterator<Item = impl Borrow<Transform>>,
+        slots: Range<u32>,
+    ) {
+        let places = places.into_iter();
+        let copies = places.size_hint().0;
+        self.leaves.reserve(copies * other.leaves.len());
+        self.steps.reserve(copies * other.steps.len());
         let first_operand = self.operands.len() as u32;
         self.operands.extend(&other.operands);
         let mut placed: Option<(DMat3, u32)> = None;
         for place in places {
-            let (outer, back) = (place.matrix(), place.inverse_matrix());
+            let (outer, back) = (place.borrow().matrix(), place.borrow().inverse_matrix());
             let first_map = match placed {
                 Some((linear, first)) if linear == outer.matrix3 => first,
                 _ => {
@@ -150,12 +161,15 @@ impl Csg {
                 }
             };
             placed = Some((outer.matrix3, first_map));
-            self.leaves.extend(other.leaves.iter().map(|leaf| CsgLeaf {
-                origin: outer.transform_point3(leaf.origin),
-                operand: first_operand + leaf.operand,
-                map: first_map + leaf.map,
-                slot: slot + leaf.slot,
-                ..*leaf
+            self.leaves.extend(other.leaves.iter().map(|leaf| {
+                let slot = (slots.start + leaf.slot).min(slots.end - 1);
+                CsgLeaf {
+                    origin: outer.transform_point3(leaf.origin),
+                    operand: first_operand + leaf.operand,
+                    map: first_map + leaf.map,
+                    slot,
+                    slots: leaf.slots.min(slots.end - slot),
+                }
             }));
             self.steps.extend(&other.steps);
             self.results += other.results;

@@ -2,6 +2,7 @@
 
 mod atomic;
 mod bare;
+mod closed;
 mod exr;
 mod gltf;
 mod lines;
@@ -22,7 +23,7 @@ pub use model::read_model;
 pub use picture::{WriteOptions, check_image_path, write_image};
 pub use png::encode_png;
 pub use rays::{HitRecord, RayReader, write_blocked, write_hit_header, write_hits};
-pub use resolve::{ReadOptions, read_scene};
+pub use resolve::{OpenMeshOperands, ReadOptions, read_scene};
 pub use texture::read_bitmap;
 
 use std::path::Path;

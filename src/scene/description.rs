@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::error::Place;
-use crate::geometry::Solid;
+use crate::geometry::{CsgOp, Solid};
 use crate::light::PointLight;
 use crate::material::Fresnel;
 use crate::math::Transform;
 
-use super::{FilmSettings, IntegratorSettings};
+use super::{FilmSettings, IntegratorSettings, Repeat};
 
 /// A scene file's content.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,9 +31,9 @@ pub struct SceneDescription {
     /// The materials that objects name; no two of one name.
     pub materials: Vec<MaterialDescription>,
     /// What stands in the world.
-    pub objects: Vec<ObjectDescription>,
+    pub objects: Vec<ObjectTree>,
     /// Objects that stand nowhere until an instance places them; no two of one name.
-    pub definitions: Vec<(String, ObjectDescription)>,
+    pub definitions: Vec<(String, ObjectTree)>,
 }
 
 /// The file that a description was read from; empty for one that a program made.
@@ -56,12 +56,12 @@ impl Source {
         }
     }
 
-    /// The place `offset` bytes into the text.
-    pub fn place(&self, offset: usize) -> Place {
+    /// The place of `offset` in the text.
+    pub fn place(&self, offset: Offset) -> Place {
         if self.text.is_empty() {
             return Place::file(&self.file);
         }
-        Place::in_text(&self.file, &self.text, offset)
+        Place::in_text(&self.file, &self.text, offset.0)
     }
 }
 
@@ -71,19 +71,23 @@ impl PartialEq for Source {
     }
 }
 
-/// The name of something else, or of a file, and where it is written. Equal when the names are.
-#[derive(Clone, Debug, Default)]
+/// Where something is written: bytes from the start of the source's text. All offsets are equal, as sources are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Offset(pub usize);
+
+impl PartialEq for Offset {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// The name of something else, or of a file, and where it is written.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     /// The name or path as written.
     pub name: String,
-    /// Bytes from the start of the source's text.
-    pub offset: usize,
-}
-
-impl PartialEq for Reference {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
+    /// Where.
+    pub offset: Offset,
 }
 
 /// A material under its name.
@@ -140,30 +144,60 @@ pub enum ColorDescription {
     },
 }
 
+/// An object after all the objects that it is made of, in post-order: an operator follows its operands and takes
+/// the last ones that no other has taken; the whole comes last. Nothing in it is recursive, so objects may be nested
+/// to any depth.
+///
+/// ```
+/// use solidtrace::geometry::{CsgOp, Solid};
+/// use solidtrace::math::Transform;
+/// use solidtrace::scene::description::{ObjectDescription, ObjectTree, Offset, ShapeDescription};
+///
+/// let object = |shape| ObjectDescription {
+///     name: None,
+///     material: None,
+///     transform: Transform::IDENTITY,
+///     shape,
+///     offset: Offset::default(),
+/// };
+/// let ball = |radius| {
+///     let solid = Solid::Sphere { radius };
+///     object(ShapeDescription::Solid { solid, placement: Transform::IDENTITY })
+/// };
+/// let (op, operands) = (CsgOp::Difference, 2);
+/// let shell = ObjectTree(vec![ball(2.0), ball(1.9), object(ShapeDescription::Csg { op, operands })]);
+/// assert_eq!(shell.0[2].shape.operands(), 2);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectTree(pub Vec<ObjectDescription>);
+
 /// One object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectDescription {
     /// Its name, if it has one.
     pub name: Option<String>,
-    /// Its material; a mesh without one keeps its file's materials, all else is grey.
+    /// Its material, which all that it is made of has then. A mesh without one keeps its file's materials; a solid
+    /// is grey unless something that it is part of has one.
     pub material: Option<Reference>,
     /// Moves the shape from where its own numbers put it.
     pub transform: Transform,
     /// What it is.
     pub shape: ShapeDescription,
+    /// Where it is written.
+    pub offset: Offset,
 }
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeDescription {
-    /// An analytic solid.
+    /// An analytic solid. The plane is a surface, and a half-space where it is an operand.
     Solid {
         /// In its canonical position.
         solid: Solid,
         /// From there to where its numbers put it.
         placement: Transform,
     },
-    /// All meshes of a model file.
+    /// All meshes of a model file; their union where it is an operand, for which they must be closed.
     Mesh {
         /// The file.
         file: Reference,
@@ -175,4 +209,24 @@ pub enum ShapeDescription {
         /// Its name.
         of: Reference,
     },
+    /// A set operation.
+    Csg {
+        /// Which one.
+        op: CsgOp,
+        /// How many objects it takes, at least one.
+        operands: usize,
+    },
+    /// Copies of one object: each stands for itself, and where it is an operand their union does.
+    Repeat(Repeat),
+}
+
+impl ShapeDescription {
+    /// How many objects of its tree it takes.
+    pub fn operands(&self) -> usize {
+        match self {
+            Self::Solid { .. } | Self::Mesh { .. } | Self::Instance { .. } => 0,
+            Self::Csg { operands, .. } => *operands,
+            Self::Repeat(_) => 1,
+        }
+    }
 }

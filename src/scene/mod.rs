@@ -2,9 +2,11 @@
 
 pub mod description;
 mod model;
+mod repeat;
 
 pub use description::SceneDescription;
 pub use model::{Model, Part};
+pub use repeat::Repeat;
 
 use crate::camera::Camera;
 use crate::color::{Rgb, Tonemap};

@@ -166,6 +166,30 @@ fn wrong_usage_is_exit_code_2_and_wrong_input_1() {
 }
 
 #[test]
+fn open_meshes_are_operands_only_on_request() {
+    let folder = folder_with_scene();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+    fs::write(folder.path().join("open.obj"), obj).unwrap();
+    let open = SCENE.replace(
+        "objects: [",
+        "objects: [Union(of: [Mesh(file: \"open.obj\")]),",
+    );
+    fs::write(folder.path().join("open.ron"), open).unwrap();
+    let info = |more: &[&str]| run(folder.path(), &[&["info", "open.ron"], more].concat());
+    for refused in [info(&[]), info(&["--open-mesh-operands", "refuse"])] {
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(stderr(&refused).contains("error: the mesh is not closed"));
+    }
+    let winding = info(&["--open-mesh-operands", "winding"]);
+    assert_eq!(winding.status.code(), Some(0), "{}", stderr(&winding));
+    assert!(stderr(&winding).contains("not closed"));
+    assert_eq!(
+        info(&["--open-mesh-operands", "guess"]).status.code(),
+        Some(2)
+    );
+}
+
+#[test]
 fn crop_and_sample_ranges_are_parts_of_the_whole_picture() {
     let folder = folder_with_scene();
     let path = folder.path();

@@ -148,6 +148,14 @@ fn transforms_must_be_invertible() {
         &sphere("«Rotat(axis: (0, 0, 1), degrees: 3)"),
         &["`Rotat`", "did you mean `Rotate`?"],
     );
+    object_fails(
+        &sphere("«Matrix(((1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 0, 0)))"),
+        &["flattens"],
+    );
+    object_fails(
+        &sphere("Matrix(«((1, 0, 0), (0, 1, 0), (1, 1, 0)))"),
+        &["3 values"],
+    );
     object_fails("Sphere(radius: 1, transform: «Scale(2))", &["a list"]);
     let many = "Scale(1e12), ".repeat(25);
     let step = format!("{many}«Scale(1e12), {}", "Scale(1e12)");
@@ -269,13 +277,142 @@ fn misspelt_names_get_a_suggestion() {
 }
 
 #[test]
-fn csg_is_announced_as_not_there_yet() {
-    for name in ["Union", "Intersection", "Difference", "Repeat"] {
-        object_fails(
-            &format!("«{name}(of: [Sphere(radius: 1)])"),
-            &[name, "not supported by this version"],
-        );
-    }
+fn operators_must_have_operands() {
+    object_fails(
+        "Union(of: «[])",
+        &["`[]`", "`of` of `Union`", "at least one"],
+    );
+    object_fails("Intersection(of: «[ /* a */ ])", &["is empty"]);
+    object_fails("«Union()", &["needs the field `of`"]);
+    object_fails("Union(of: «Sphere(radius: 1))", &["a list"]);
+    object_fails("«Difference(subtract: [])", &["needs the field `from`"]);
+    object_fails(
+        "«Difference(from: Sphere(radius: 1))",
+        &["needs the field `subtract`"],
+    );
+    object_fails(
+        "Difference(from: «[Sphere(radius: 1)], subtract: [])",
+        &["an object"],
+    );
+    object_fails("Union(of: [Sphere(radius: 1), «7])", &["`7`", "an object"]);
+    object_fails(
+        "Union(of: [Intersection(of: [Sphere(radius: «-1)])])",
+        &["`-1`", "`radius` of `Sphere`"],
+    );
+}
+
+#[test]
+fn misspelt_operators_get_a_suggestion() {
+    object_fails("«Unoin(of: [])", &["did you mean `Union`?"]);
+    object_fails("«Diference(from: 1)", &["did you mean `Difference`?"]);
+    object_fails("Union(«off: [])", &["`off`", "did you mean `of`?"]);
+    object_fails(
+        "Difference(from: Sphere(radius: 1), «substract: [])",
+        &["did you mean `subtract`?"],
+    );
+    object_fails(
+        "Union(of: [Sphere(radius: 1)], «subtract: [])",
+        &["known here: of, name, material, transform"],
+    );
+    object_fails(
+        "Union(of: [Union(of: [«Spere(radius: 1)])])",
+        &["`Spere`", "did you mean `Sphere`?"],
+    );
+    object_fails(
+        "Union(of: [Sphere(radius: 1, material: «\"gren\")], material: \"red\")",
+        &["`gren`", "did you mean `green`?"],
+    );
+    object_fails(
+        "Union(of: [Union(of: [Sphere(radius: 1)], material: «\"gren\")], material: \"red\")",
+        &["`gren`", "did you mean `green`?"],
+    );
+    object_fails(
+        "Union(of: [Instance(of: «\"blot\")])",
+        &["no definition `blot`", "did you mean `bolt`?"],
+    );
+}
+
+#[test]
+fn the_first_mistake_of_a_tree_is_reported() {
+    object_fails(
+        "Union(of: [Union(of: [Sphere(radius: «-1)]), Sphere(radius: -2)])",
+        &["`-1`"],
+    );
+    object_fails("Union(of: [Sphere(radius: -1)], «x: 3)", &["no field `x`"]);
+}
+
+/// A `Repeat` of a small sphere.
+fn repeat(count: &str, rest: &str) -> String {
+    format!(
+        "Repeat(count: {count}, step: ((1, 0, 0), (0, 1, 0), (0, 0, 1)), of: Sphere(radius: 0.1){rest})"
+    )
+}
+
+#[test]
+fn repeats_must_count_from_one_to_their_limit() {
+    object_fails(
+        &repeat("(2, «0, 1)", ""),
+        &["`0`", "`count` of `Repeat`", "1..=16777216"],
+    );
+    object_fails(&repeat("(2, «1.5, 1)", ""), &["`1.5`", "whole"]);
+    object_fails(&repeat("«(2, 2)", ""), &["2 values"]);
+    object_fails(
+        &repeat("«(256, 256, 257)", ""),
+        &["`(256, 256, 257)`", "16842752 copies", "at most 16777216"],
+    );
+    object_fails(&repeat("(1, 1, 1)", ", jitter: (0, «-1, 0)"), &["`-1`"]);
+    object_fails(&repeat("(1, 1, 1)", ", seed: «-1"), &["`-1`"]);
+    object_fails(&repeat("(1, 1, 1)", ", «sed: 1"), &["did you mean `seed`?"]);
+    object_fails(
+        "Repeat(count: (1, 1, 1), step: («1, 0, 0), of: Sphere(radius: 1))",
+        &["`1`", "`step` of `Repeat`", "`(x, y, z)`"],
+    );
+    object_fails(
+        "«Repeat(count: (1, 1, 1), step: ((1, 0, 0), (0, 1, 0), (0, 0, 1)))",
+        &["needs the field `of`"],
+    );
+    object_fails(
+        "Repeat(count: (1, 1, 1), step: ((1, 0, 0), (0, 1, 0), (0, 0, 1)), of: «[Sphere(radius: 1)])",
+        &["an object"],
+    );
+}
+
+#[test]
+fn repeats_of_repeats_must_not_exhaust_memory() {
+    let outer = |inner: &str| {
+        format!("Repeat(count: (64, 64, 4), step: ((1, 0, 0), (0, 1, 0), (0, 0, 1)), of: {inner})")
+    };
+    let inner = repeat("(64, 64, 2)", "");
+    object_fails(
+        &format!("Union(of: [«{}])", outer(&inner)),
+        &["beyond 67108864 operands", "`count`"],
+    );
+    object_fails(
+        &format!("«{}", outer(&inner)),
+        &["8388608 instances", "`count`"],
+    );
+    let scene =
+        |used: &str| format!("({CAMERA}, definitions: {{\"grid\": {inner}}}, objects: [{used}])",);
+    let used = outer("Union(of: [Instance(of: \"grid\")])");
+    fails(
+        &scene(&format!("Union(of: [«{used}])")),
+        &["beyond 67108864 operands"],
+    );
+    fails(
+        &scene(&format!("«{}", outer("Instance(of: \"grid\")"))),
+        &["8388608 instances"],
+    );
+}
+
+#[test]
+fn operands_must_stay_within_numbers() {
+    let far = "Scale(1e12), ".repeat(13);
+    object_fails(
+        &format!(
+            "«Union(of: [Union(of: [Sphere(radius: 1, transform: [{far}])], transform: [{far}])])"
+        ),
+        &["beyond what numbers can hold"],
+    );
 }
 
 #[test]
@@ -441,10 +578,33 @@ fn deep_nesting_is_an_error_and_no_overflow() {
     for open in ["(", "[", "{\"a\":", "Some("] {
         let error = SceneDescription::from_text("deep.ron", &open.repeat(100_000)).unwrap_err();
         assert!(
-            error.message().contains("brackets inside one another"),
+            error
+                .message()
+                .contains("65536 brackets inside one another"),
             "{error}"
         );
     }
+    for (open, close) in [
+        ("(", ")"),
+        ("[", "]"),
+        ("{\"a\":", "}"),
+        ("Some(", ")"),
+        ("a(b:", ")"),
+    ] {
+        let text = format!("{}1{}", open.repeat(65_000), close.repeat(65_000));
+        let error = SceneDescription::from_text("deep.ron", &text).unwrap_err();
+        assert!(!error.message().contains("brackets"), "{error}");
+    }
+    let nest = format!("{}1{}", "{\"a\":".repeat(65_000), "}".repeat(65_000));
+    assert!(SceneDescription::from_text("deep.json", &nest).is_err());
+    object_fails(
+        &format!(
+            "{}Union(of: [Sphere«(radius: 1){}",
+            "Union(of: [".repeat(32_766),
+            "])".repeat(32_767)
+        ),
+        &["more than 65536 brackets"],
+    );
     let error = SceneDescription::from_text("deep.ron", &"/*".repeat(100_000)).unwrap_err();
     assert!(error.message().contains("comment"));
 }
@@ -536,6 +696,7 @@ fn files_outside_the_scenes_tree_are_refused() {
         std::fs::write(&path, marked.replace('«', "")).unwrap();
         let options = ReadOptions {
             allow_paths: allow.iter().map(|p| p.to_path_buf()).collect(),
+            ..ReadOptions::default()
         };
         let refusal = read_scene(&path, &options).err();
         let refusal = refusal.filter(|e| e.message().contains("outside"));

@@ -6,8 +6,8 @@ use solidtrace::color::Tonemap;
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
 use solidtrace::material::{Fresnel, Surface};
-use solidtrace::scene::description::{ColorDescription, SurfaceDescription};
-use solidtrace::scene::{IntegratorSettings, Scene, SceneDescription};
+use solidtrace::scene::description::{ColorDescription, ShapeDescription, SurfaceDescription};
+use solidtrace::scene::{IntegratorSettings, Repeat, Scene, SceneDescription};
 use solidtrace::texture::Texture;
 
 /// Every construct of the format once.
@@ -39,10 +39,21 @@ Scene(
         Cone(from: (0, -7, 0), to: (0, 7, 0), from_radius: 3, to_radius: 1, material: None),
         Torus(center: (0, 0, 0), axis: (0, 1, 0), major_radius: 5, minor_radius: 0.5),
         Sphere(radius: 1, transform: [Scale((1, 2, 3)), Rotate(axis: (0, 0, 1), degrees: 90), Translate((5, 0, 0))]),
+        Difference(
+            from: Intersection(of: [Box(size: (2, 2, 2), name: "block"), Instance(of: "grid", material: "glass")]),
+            subtract: [
+                Plane(normal: (0, 1, 0)),
+                Repeat(count: (2, 1, 3), step: ((1, 0, 0), (0, 1, 0), (0, 0, 2)), jitter: (0.1, 0, 0.2), seed: 7,
+                    of: Union(of: [Sphere(radius: 0.5)], transform: [Scale(2)])),
+            ],
+            name: "part", material: "gold",
+            transform: [Matrix(((1, 0, 0), (0.5, 1, 0), (0, 0, 1), (1, 2, 3)))],
+        ),
         Instance(of: "bolt", transform: [Scale(2), Translate((4, 0, 0))], name: "left"),
     ],
     definitions: {
         "bolt": Instance(of: "shaft", material: "gold", name: "bolt"),
+        "grid": Repeat(count: (2, 2, 1), step: ((1, 0, 0), (0, 1, 0), (0, 0, 1)), of: Sphere(radius: 1)),
         "shaft": Cylinder(from: (1, 0, 0), to: (1, 3, 0), radius: 0.5, transform: [Translate((0, 1, 0))]),
     },
 )
@@ -75,10 +86,21 @@ pub const JSON: &str = r#"{
         {"Cone": {"from": [0, -7, 0], "to": [0, 7, 0], "from_radius": 3, "to_radius": 1, "material": null}},
         {"Torus": {"center": [0, 0, 0], "axis": [0, 1, 0], "major_radius": 5, "minor_radius": 0.5}},
         {"Sphere": {"radius": 1, "transform": [{"Scale": [1, 2, 3]}, {"Rotate": {"axis": [0, 0, 1], "degrees": 90}}, {"Translate": [5, 0, 0]}]}},
+        {"Difference": {
+            "from": {"Intersection": {"of": [{"Box": {"size": [2, 2, 2], "name": "block"}}, {"Instance": {"of": "grid", "material": "glass"}}]}},
+            "subtract": [
+                {"Plane": {"normal": [0, 1, 0]}},
+                {"Repeat": {"count": [2, 1, 3], "step": [[1, 0, 0], [0, 1, 0], [0, 0, 2]], "jitter": [0.1, 0, 0.2], "seed": 7,
+                    "of": {"Union": {"of": [{"Sphere": {"radius": 0.5}}], "transform": [{"Scale": 2}]}}}}
+            ],
+            "name": "part", "material": "gold",
+            "transform": [{"Matrix": [[1, 0, 0], [0.5, 1, 0], [0, 0, 1], [1, 2, 3]]}]
+        }},
         {"Instance": {"of": "bolt", "transform": [{"Scale": 2}, {"Translate": [4, 0, 0]}], "name": "left"}}
     ],
     "definitions": {
         "bolt": {"Instance": {"of": "shaft", "material": "gold", "name": "bolt"}},
+        "grid": {"Repeat": {"count": [2, 2, 1], "step": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "of": {"Sphere": {"radius": 1}}}},
         "shaft": {"Cylinder": {"from": [1, 0, 0], "to": [1, 3, 0], "radius": 0.5, "transform": [{"Translate": [0, 1, 0]}]}}
     }
 }"#;
@@ -261,6 +283,49 @@ fn solids_stand_where_their_numbers_say() {
 fn transforms_apply_in_the_order_written() {
     // (1, 1, 0) is scaled to (1, 2, 0), turned to (-2, 1, 0), moved to (3, 1, 0).
     assert_near(placed(&loaded(), 6, [1.0, 1.0, 0.0]), [3.0, 1.0, 0.0]);
+}
+
+#[test]
+fn a_matrix_says_where_the_axes_and_the_origin_go() {
+    // (1, 1, 0) is sheared to (1.5, 1, 0) and moved.
+    assert_near(placed(&loaded(), 7, [1.0, 1.0, 0.0]), [2.5, 3.0, 3.0]);
+}
+
+#[test]
+fn operators_follow_their_operands() {
+    let tree = &description().objects[7].0;
+    let shapes: Vec<String> = (tree.iter())
+        .map(|object| match &object.shape {
+            ShapeDescription::Csg { op, operands } => format!("{op:?} of {operands}"),
+            ShapeDescription::Solid { solid, .. } => format!("{solid:?}"),
+            ShapeDescription::Instance { of } => of.name.clone(),
+            ShapeDescription::Repeat(repeat) => format!("{} copies", repeat.copies()),
+            ShapeDescription::Mesh { file, .. } => file.name.clone(),
+        })
+        .collect();
+    let half = DVec3::ONE;
+    let expected = [
+        &format!("{:?}", Solid::Box { half }),
+        "grid",
+        "Intersection of 2",
+        "Plane",
+        "Sphere { radius: 0.5 }",
+        "Union of 1",
+        "6 copies",
+        "Difference of 3",
+    ];
+    assert_eq!(shapes, expected);
+    let named = |i: usize| tree[i].name.as_deref();
+    assert_eq!((named(0), named(7)), (Some("block"), Some("part")));
+    let material = |i: usize| tree[i].material.as_ref().map(|m| &*m.name);
+    assert_eq!((material(1), material(7)), (Some("glass"), Some("gold")));
+    let expected = Repeat {
+        count: [2, 1, 3],
+        step: [DVec3::X, DVec3::Y, 2.0 * DVec3::Z],
+        jitter: DVec3::new(0.1, 0.0, 0.2),
+        seed: 7,
+    };
+    assert_eq!(tree[6].shape, ShapeDescription::Repeat(expected));
 }
 
 #[test]

@@ -124,7 +124,8 @@ impl<'n, 't> Fields<'n, 't> {
 pub(super) struct Choice<'n, 't> {
     /// Which one.
     pub(super) name: &'n str,
-    offset: usize,
+    /// Where the name is written.
+    pub(super) offset: usize,
     body: Body<'n, 't>,
 }
 

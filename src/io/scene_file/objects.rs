@@ -1,18 +1,40 @@
 //! Objects: what they are, in canonical position with the transform that puts them where their numbers say.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DMat3, DVec3};
 
 use crate::geometry::Solid;
 use crate::math::Transform;
-use crate::scene::description::{ObjectDescription, ShapeDescription};
+use crate::scene::description::{ObjectDescription, ObjectTree, Offset, ShapeDescription};
 
 use super::fields::{Choice, Fields};
+use super::operators::{operator, repeat};
+use super::transforms::transform;
 use super::tree::{Node, Result};
 
-pub(super) fn object(node: &Node) -> Result<ObjectDescription> {
+pub(super) fn object(node: &Node) -> Result<ObjectTree> {
+    let mut tree = Vec::new();
+    // Objects whose operands are being read, and what comes next, the first at the end: a node to read, or nothing,
+    // where the last of those objects has all its operands in the tree.
+    let (mut open, mut next) = (Vec::new(), vec![Some(node)]);
+    while let Some(node) = next.pop() {
+        if let Some(node) = node {
+            let (object, operands) = read(node)?;
+            open.push(object);
+            next.push(None);
+            next.extend(operands.into_iter().rev().map(Some));
+        } else {
+            tree.extend(open.pop());
+        }
+    }
+    Ok(ObjectTree(tree))
+}
+
+/// An object and what it is made of.
+fn read<'n, 't>(node: &'n Node<'t>) -> Result<(ObjectDescription, Vec<&'n Node<'t>>)> {
     let choice = Choice::of(node, "an object")?;
-    choice.record(|f| {
-        let shape = shape(&choice, f)?;
+    let mut operands = Vec::new();
+    let object = choice.record(|f| {
+        let shape = shape(&choice, f, &mut operands)?;
         Ok(ObjectDescription {
             name: f.optional("name", Node::text)?,
             material: f.optional("material", Node::reference)?,
@@ -20,13 +42,30 @@ pub(super) fn object(node: &Node) -> Result<ObjectDescription> {
                 .optional("transform", transform)?
                 .unwrap_or(Transform::IDENTITY),
             shape,
+            offset: Offset(choice.offset),
         })
-    })
+    })?;
+    Ok((object, operands))
 }
 
-fn shape(choice: &Choice, f: &mut Fields) -> Result<ShapeDescription> {
-    const NAMES: [&str; 8] = [
-        "Sphere", "Box", "Cylinder", "Cone", "Torus", "Plane", "Mesh", "Instance",
+fn shape<'n, 't>(
+    choice: &Choice<'n, 't>,
+    f: &mut Fields<'n, 't>,
+    operands: &mut Vec<&'n Node<'t>>,
+) -> Result<ShapeDescription> {
+    const NAMES: [&str; 12] = [
+        "Sphere",
+        "Box",
+        "Cylinder",
+        "Cone",
+        "Torus",
+        "Plane",
+        "Mesh",
+        "Instance",
+        "Union",
+        "Intersection",
+        "Difference",
+        "Repeat",
     ];
     let (solid, placement) = match choice.name {
         "Sphere" => {
@@ -95,14 +134,10 @@ fn shape(choice: &Choice, f: &mut Fields) -> Result<ShapeDescription> {
                 of: f.required("of", Node::reference)?,
             });
         }
-        "Union" | "Intersection" | "Difference" | "Repeat" => {
-            return Err(choice
-                .fault(format!(
-                    "CSG objects such as `{}` are not supported by this version",
-                    choice.name
-                ))
-                .help(format!("objects can be {}", NAMES.join(", "))));
+        "Union" | "Intersection" | "Difference" => {
+            return operator(choice.name, f, operands);
         }
+        "Repeat" => return repeat(f, operands).map(ShapeDescription::Repeat),
         _ => return Err(choice.unknown("an object", &NAMES)),
     };
     Ok(ShapeDescription::Solid { solid, placement })
@@ -140,31 +175,4 @@ fn axes(node: &Node) -> Result<DMat3> {
     }
     let y = (y - x.dot(y) * x).normalize();
     Ok(DMat3::from_cols(x, y, x.cross(y)))
-}
-
-/// A list of steps, the first applied first.
-fn transform(node: &Node) -> Result<Transform> {
-    let mut total = Transform::IDENTITY;
-    for node in node.items()? {
-        total = step(node)?.after(&total);
-        if !total.is_finite() {
-            return Err(node.refuse("takes the object beyond what numbers can hold"));
-        }
-    }
-    Ok(total)
-}
-
-fn step(node: &Node) -> Result<Transform> {
-    let choice = Choice::of(node, "a transform")?;
-    let matrix = match choice.name {
-        "Translate" => DAffine3::from_translation(choice.value()?.point()?),
-        "Scale" => DAffine3::from_scale(choice.value()?.factors()?),
-        "Rotate" => choice.record(|f| {
-            let axis = f.required("axis", Node::direction)?;
-            let degrees = f.required("degrees", Node::coordinate)?;
-            Ok(DAffine3::from_axis_angle(axis, degrees.to_radians()))
-        })?,
-        _ => return Err(choice.unknown("a transform", &["Translate", "Rotate", "Scale"])),
-    };
-    Transform::new(matrix).ok_or_else(|| node.refuse("flattens the object"))
 }

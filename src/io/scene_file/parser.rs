@@ -5,8 +5,9 @@ use std::borrow::Cow;
 
 use super::tree::{Fault, Node, Result, Value, Word};
 
-/// More brackets inside one another than any scene has a use for.
-const MAX_DEPTH: usize = 128;
+/// Brackets inside one another. An operator in another takes two in RON, three in JSON, so there can be more than
+/// 20,000 operators above an operand.
+pub(super) const MAX_DEPTH: usize = 1 << 16;
 
 /// Reads a whole text.
 pub(super) fn parse(text: &str) -> Result<Node<'_>> {

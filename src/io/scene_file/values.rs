@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::color::Rgb;
-use crate::scene::description::{ColorDescription, Reference};
+use crate::scene::description::{ColorDescription, Offset, Reference};
 
 use super::fields::Choice;
 use super::tree::{Fault, Node, Result, Value};
@@ -124,7 +124,7 @@ impl Node<'_> {
     pub(super) fn reference(&self) -> Result<Reference> {
         Ok(Reference {
             name: self.text()?,
-            offset: self.offset,
+            offset: Offset(self.offset),
         })
     }
 
@@ -160,6 +160,11 @@ impl Node<'_> {
     /// Edge lengths.
     pub(super) fn lengths(&self) -> Result<DVec3> {
         self.three("`(x, y, z)`", Self::length)
+    }
+
+    /// Lengths that may be 0.
+    pub(super) fn lengths_or_zero(&self) -> Result<DVec3> {
+        self.three("`(x, y, z)`", Self::length_or_zero)
     }
 
     /// Factors other than 0, one for each axis or one for all.
