@@ -392,7 +392,7 @@ fn repeats_of_repeats_must_not_exhaust_memory() {
         &["8388608 instances", "`count`"],
     );
     let scene =
-        |used: &str| format!("({CAMERA}, definitions: {{\"grid\": {inner}}}, objects: [{used}])",);
+        |used: &str| format!("({CAMERA}, definitions: {{\"grid\": {inner}}}, objects: [{used}])");
     let used = outer("Union(of: [Instance(of: \"grid\")])");
     fails(
         &scene(&format!("Union(of: [«{used}])")),
