@@ -11,6 +11,16 @@ mod ray;
 mod scene;
 mod tree;
 mod triangle;
+mod winding;
+
+#[cfg(test)]
+#[path = "../../tests/suite/support/meshes.rs"]
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "shared with the tests from outside"
+)]
+mod meshes;
 
 pub use csg::{CsgCrossing, CsgReport, CsgTree};
 pub use mesh::MeshReport;

@@ -2,6 +2,7 @@
 
 mod atomic;
 mod bare;
+mod closed;
 mod exr;
 mod gltf;
 mod lines;

@@ -5,6 +5,7 @@ mod accel;
 mod bare_model;
 mod bsdf;
 mod cli;
+mod closed;
 mod embree;
 mod exr;
 mod film;
