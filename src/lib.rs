@@ -25,6 +25,10 @@
 //! # Ok::<(), solidtrace::Error>(())
 //! ```
 
+// Tests of private parts share what the tests from outside use.
+#[cfg(test)]
+extern crate self as solidtrace;
+
 pub mod accel;
 pub mod bsdf;
 pub mod camera;

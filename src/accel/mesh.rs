@@ -1,6 +1,6 @@
 use std::ops::{ControlFlow, Range};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -24,10 +24,23 @@ pub struct MeshReport {
     pub bytes: usize,
 }
 
+/// Where a ray goes through a mesh's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MeshCrossing {
+    /// Ray parameter.
+    pub t: f64,
+    /// The triangle's index in its file.
+    pub primitive: u32,
+    /// Whether it comes from the outer side of the triangle.
+    pub enter: bool,
+    /// The triangle's outward normal, of any length.
+    pub n: DVec3,
+}
+
 /// A tree over a mesh's triangles.
 #[derive(Debug)]
 pub(super) struct MeshTree {
-    tree: Tree,
+    pub tree: Tree,
     triangles: Vec<Triangle>,
     pub bounds: Bounds,
     pub report: MeshReport,
@@ -39,9 +52,25 @@ pub(super) struct MeshTree {
 const LARGEST: f64 = 1e18;
 
 impl MeshTree {
+    /// For the closest hit and for any.
+    ///
     /// # Errors
     /// Where no triangle has an area, or coordinates lie beyond ±1e18.
     pub(super) fn build(mesh: &Mesh) -> Result<Self> {
+        Self::over(mesh, distinct)
+    }
+
+    /// For all crossings along a ray: only triangles with two equal corners are left out, because without others a
+    /// closed mesh would be open.
+    ///
+    /// # Errors
+    /// Where all triangles are left out, or coordinates lie beyond ±1e18.
+    pub(super) fn build_operand(mesh: &Mesh) -> Result<Self> {
+        Self::over(mesh, cornered)
+    }
+
+    /// Over the triangles that `choose` names, in order.
+    fn over(mesh: &Mesh, choose: impl Fn(&Mesh) -> (Vec<u32>, MeshReport)) -> Result<Self> {
         mesh.validate()?;
         let bounds = mesh.bounds();
         if bounds.min.abs().max(bounds.max.abs()).max_element() > LARGEST {
@@ -51,7 +80,7 @@ impl MeshTree {
             ))
             .help("scale the model down"));
         }
-        let (kept, mut report) = distinct(mesh);
+        let (kept, mut report) = choose(mesh);
         if kept.is_empty() {
             return Err(Error::input(format!(
                 "none of the mesh's {} triangles has an area",
@@ -132,7 +161,56 @@ impl MeshTree {
             .is_break()
     }
 
-    fn leaf(&self, positions: Range<u32>) -> &[Triangle] {
+    /// Every crossing with `t > ray.tmin`, in no order. A closed mesh is entered as often as it is left along a whole
+    /// line, and in order of `t` the count tells how often the mesh winds around the points between.
+    pub(super) fn crossings(&self, ray: &Ray, mut visit: impl FnMut(MeshCrossing)) {
+        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
+        let start = local.box_start(ray.tmin);
+        let _ = (self.tree).traverse(&local, start, f32::INFINITY, |leaf| {
+            for triangle in self.leaf(leaf) {
+                if let Some(hit) = triangle.crossing(&local)
+                    && hit.t > ray.tmin
+                {
+                    visit(MeshCrossing {
+                        t: hit.t,
+                        primitive: triangle.primitive,
+                        enter: !hit.inside,
+                        n: triangle.normal(),
+                    });
+                }
+            }
+            ControlFlow::Continue(f32::INFINITY)
+        });
+    }
+
+    /// Barycentric weights of the second and third corner of `primitive`, which `ray` crosses at `t`.
+    pub(super) fn barycentric(&self, ray: &Ray, t: f64, primitive: u32) -> DVec2 {
+        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
+        let (start, end) = (local.box_start(t), local.box_limit(t));
+        let mut weights = DVec2::splat(1.0 / 3.0);
+        let _ = self.tree.traverse(&local, start, end, |leaf| {
+            match (self.leaf(leaf).iter()).find(|triangle| triangle.primitive == primitive) {
+                Some(triangle) => {
+                    weights = triangle.weights(&local);
+                    ControlFlow::Break(())
+                }
+                None => ControlFlow::Continue(end),
+            }
+        });
+        weights
+    }
+
+    /// How often a closed mesh winds around `p`: 1 inside and 0 outside of a simple one.
+    pub(super) fn winding(&self, p: DVec3) -> i32 {
+        let mut winding = 0;
+        self.crossings(&Ray::new(p, DVec3::Z), |crossing| {
+            winding += if crossing.enter { -1 } else { 1 };
+        });
+        winding
+    }
+
+    /// The triangles of a leaf.
+    pub(super) fn leaf(&self, positions: Range<u32>) -> &[Triangle] {
         &self.triangles[positions.start as usize..positions.end as usize]
     }
 }
@@ -170,3 +248,22 @@ fn distinct(mesh: &Mesh) -> (Vec<u32>, MeshReport) {
     };
     (kept, report)
 }
+
+/// The triangles whose corners differ.
+fn cornered(mesh: &Mesh) -> (Vec<u32>, MeshReport) {
+    let kept: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|&i| {
+            let [a, b, c] = mesh.corners(i);
+            a != b && b != c && c != a
+        })
+        .collect();
+    let report = MeshReport {
+        triangles: kept.len(),
+        degenerate: mesh.triangles.len() - kept.len(),
+        ..MeshReport::default()
+    };
+    (kept, report)
+}
+
+#[cfg(test)]
+mod tests;

@@ -11,7 +11,17 @@ mod ray;
 mod scene;
 mod tree;
 mod triangle;
+mod winding;
 
-pub use csg::{CsgCrossing, CsgReport, CsgTree};
+#[cfg(test)]
+#[path = "../../tests/suite/support/meshes.rs"]
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "shared with the tests from outside"
+)]
+mod meshes;
+
+pub use csg::{CsgCrossing, CsgReport, CsgTree, HOLE};
 pub use mesh::MeshReport;
 pub use scene::{Accel, Hit, Placed};

@@ -32,7 +32,7 @@ pub struct Hit {
     pub instance: u32,
     /// Mesh: the triangle's index in its file. CSG: the operand's index in its tree. Else 0.
     pub primitive: u32,
-    /// Solid, also as an operand: the face that was hit. Mesh as an operand: the triangle. Else 0.
+    /// Solid, also as an operand: the face that was hit. Mesh as an operand: the triangle, or [`super::HOLE`]. Else 0.
     pub face: u32,
     /// Whether the ray came from inside.
     pub inside: bool,
@@ -103,7 +103,7 @@ impl Accel {
         let placed = &self.placed[instance as usize];
         let local = placed.world_from_object.inverse_point(p);
         match placed.shape {
-            Shape::Mesh(_) => false,
+            Shape::Mesh(id) => self.meshes[id.0 as usize].winding(local) > 0,
             Shape::Solid(solid) => solid.contains(local),
             Shape::Csg(id) => self.csg(id).contains(local),
         }

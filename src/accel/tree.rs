@@ -92,6 +92,16 @@ impl Tree {
         self.root
     }
 
+    /// How many inner nodes there are.
+    pub(super) fn inner_nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// What lies below an inner node: inner nodes stand behind it.
+    pub(super) fn below(&self, node: u32) -> [Link; 2] {
+        self.nodes[node as usize].children
+    }
+
     /// The children of the inner node `link`, and where the ray enters their boxes, if it does between `tmin` and
     /// `tmax`.
     #[inline]

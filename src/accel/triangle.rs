@@ -1,4 +1,4 @@
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3, Vec3Swizzles};
 
 use super::ray::TreeRay;
 
@@ -21,14 +21,71 @@ pub(super) struct TriangleHit {
     pub inside: bool,
 }
 
+/// A triangle as the ray sees it: sheared so that the ray is the third axis.
+struct View {
+    corners: [DVec3; 3],
+    /// Twice the areas of the triangles that the ray makes with the sides opposite to the corners, positive where it
+    /// has the side on its right.
+    edges: DVec3,
+}
+
+/// Coordinates below this are taken for 0, so that products of two of them and their roundings do not underflow.
+const TINY: f64 = f64::from_bits((1023 - 400) << 52);
+
 impl Triangle {
-    /// The watertight test of Woop, Benthin and Wald 2013: corners are sheared into the ray's frame by
-    /// operations that depend on the corner alone, and the sign of an edge function of rounded products
-    /// is right or 0, so triangles that share an edge or a corner leave no gap.
+    /// Where the ray meets the triangle, its edges included.
     ///
-    /// f32 turns away what certainly misses; what is left is decided in f64.
+    /// The test is that of Woop, Benthin and Wald 2013: corners are sheared into the ray's frame by operations that
+    /// depend on the corner alone, and signs of edge functions are exact from there on, so triangles that share an
+    /// edge or a corner leave no gap. f32 turns away what certainly misses; what is left is decided in f64.
     #[inline]
     pub(super) fn intersect(&self, ray: &TreeRay) -> Option<TriangleHit> {
+        if self.missed(ray) {
+            return None;
+        }
+        let view = self.view(ray);
+        let inside = view.edges.min_element() >= 0.0 || view.edges.max_element() <= 0.0;
+        (inside && view.edges != DVec3::ZERO).then(|| view.hit(ray))
+    }
+
+    /// Where the ray goes through the triangle. Of the triangles around an edge or a corner that the ray hits exactly,
+    /// those answer that a ray beside it, at no distance, would go through: along a whole line a closed mesh is
+    /// entered as often as it is left.
+    pub(super) fn crossing(&self, ray: &TreeRay) -> Option<TriangleHit> {
+        if self.missed(ray) {
+            None
+        } else {
+            self.decide_crossing(ray)
+        }
+    }
+
+    /// [`Triangle::crossing`] without the filter.
+    pub(super) fn decide_crossing(&self, ray: &TreeRay) -> Option<TriangleHit> {
+        let view = self.view(ray);
+        view.crossed().then(|| view.hit(ray))
+    }
+
+    /// Barycentric weights of the second and third corner where the ray goes through the triangle; for a ray that
+    /// misses it by a little, those of a point on its edge.
+    pub(super) fn weights(&self, ray: &TreeRay) -> DVec2 {
+        let edges = self.view(ray).edges;
+        let facing = (edges * edges.element_sum().signum()).max(DVec3::ZERO);
+        let det = facing.element_sum();
+        if det > 0.0 {
+            facing.yz() / det
+        } else {
+            DVec2::splat(1.0 / 3.0)
+        }
+    }
+
+    /// Outward, of any length.
+    pub(super) fn normal(&self) -> DVec3 {
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        (b - a).cross(c - a)
+    }
+
+    #[inline]
+    fn missed(&self, ray: &TreeRay) -> bool {
         let [x, y, z] = ray.axes;
         let mut p = [Vec3::ZERO; 3];
         let mut size = 0.0_f32;
@@ -41,33 +98,75 @@ impl Triangle {
         let [a, b, c] = p;
         let edge = |p: Vec3, q: Vec3| q.x * p.y - q.y * p.x;
         let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-        // Each coordinate is within `slack` of its true value: see `TreeRay`.
-        let doubt = ray.slack * (5.0 * size + 2.0 * ray.slack);
-        let missed = u.min(v).min(w) < -doubt && u.max(v).max(w) > doubt;
-        if missed { None } else { self.decide(ray) }
+        // Each coordinate is within `slack` of its true value (see `TreeRay`), and products may underflow.
+        let doubt = ray.slack * (5.0 * size + 2.0 * ray.slack) + f32::MIN_POSITIVE;
+        u.min(v).min(w) < -doubt && u.max(v).max(w) > doubt
     }
 
-    fn decide(&self, ray: &TreeRay) -> Option<TriangleHit> {
+    fn view(&self, ray: &TreeRay) -> View {
         let [x, y, z] = ray.axes;
-        let [a, b, c] = self.corners.map(|corner| {
+        let seen = |x: f64| if x.abs() < TINY { 0.0 } else { x };
+        let corners = self.corners.map(|corner| {
             let relative = corner.as_dvec3() - ray.exact_origin;
             DVec3::new(
-                relative[x] - relative[z] * ray.exact_shear[0],
-                relative[y] - relative[z] * ray.exact_shear[1],
+                seen(relative[x] - relative[z] * ray.exact_shear[0]),
+                seen(relative[y] - relative[z] * ray.exact_shear[1]),
                 relative[z],
             )
         });
-        let edge = |p: DVec3, q: DVec3| q.x * p.y - q.y * p.x;
-        let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
+        let [a, b, c] = corners;
+        View {
+            corners,
+            edges: DVec3::new(edge(b, c), edge(c, a), edge(a, b)),
         }
-        let det = u + v + w;
-        (det != 0.0).then(|| TriangleHit {
-            t: (u * a.z + v * b.z + w * c.z) / (det * ray.length),
-            u: v / det,
-            v: w / det,
+    }
+}
+
+impl View {
+    /// For a triangle whose edge functions have one sign, zeros aside.
+    fn hit(&self, ray: &TreeRay) -> TriangleHit {
+        let [a, b, c] = self.corners;
+        let det = self.edges.element_sum();
+        TriangleHit {
+            t: self.edges.dot(DVec3::new(a.z, b.z, c.z)) / (det * ray.length),
+            u: self.edges.y / det,
+            v: self.edges.z / det,
             inside: (det < 0.0) == (ray.length > 0.0),
-        })
+        }
+    }
+
+    /// Whether the ray goes through. Where an edge function is 0, its sign is that for a ray moved by a little along the
+    /// first axis and far less along the second (symbolic perturbation, Edelsbrunner and Muecke 1990); an edge that is
+    /// seen as a point bounds no area.
+    fn crossed(&self) -> bool {
+        let [a, b, c] = self.corners;
+        let signs = DVec3::new(
+            moved(self.edges.x, b, c),
+            moved(self.edges.y, c, a),
+            moved(self.edges.z, a, b),
+        );
+        signs.min_element() > 0.0 || signs.max_element() < 0.0
+    }
+}
+
+/// `q.x p.y - q.y p.x` with an exact sign: rounding keeps the order of products, and of equal ones the residuals,
+/// which `mul_add` gives exactly, tell.
+fn edge(p: DVec3, q: DVec3) -> f64 {
+    let (right, left) = (q.x * p.y, q.y * p.x);
+    if right == left {
+        q.x.mul_add(p.y, -right) - q.y.mul_add(p.x, -left)
+    } else {
+        right - left
+    }
+}
+
+/// The sign of `edge`, the value of `edge(p, q)`, after the perturbation.
+fn moved(edge: f64, p: DVec3, q: DVec3) -> f64 {
+    if edge != 0.0 {
+        edge
+    } else if p.y != q.y {
+        q.y - p.y
+    } else {
+        p.x - q.x
     }
 }

@@ -1,10 +1,12 @@
 //! Shapes without appearance: triangle meshes, analytic solids, and trees of set operations over both.
 
+mod closed;
 mod csg;
 mod mesh;
 mod polygon;
 pub mod solid;
 
+pub use closed::{EdgeFault, OpenEdge, Openness};
 pub use csg::{Csg, CsgId, CsgOp, Operand};
 pub(crate) use csg::{CsgStep, LinearMap};
 pub use mesh::Mesh;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::accel::Hit;
+use crate::accel::{HOLE, Hit};
 use crate::geometry::{CsgId, MeshId, Operand, Shape, Solid};
 use crate::material::MaterialId;
 use crate::math::Ray;
@@ -97,6 +97,16 @@ impl World {
         let local = transform.inverse_ray(ray);
         let at = match operand {
             Operand::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Operand::OpenMesh(_) if hit.face == HOLE => {
+                let p = local.at(hit.t);
+                LocalPoint {
+                    p,
+                    n: self.csg(id).hole_normal(hit.primitive, p),
+                    shading: None,
+                    uv: Vec2::ZERO,
+                    slot: 0,
+                }
+            }
             Operand::Mesh(mesh) | Operand::OpenMesh(mesh) => {
                 self.on_mesh(mesh, hit.face, hit.uv, smooth)
             }

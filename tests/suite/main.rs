@@ -5,6 +5,7 @@ mod accel;
 mod bare_model;
 mod bsdf;
 mod cli;
+mod closed;
 mod csg_light;
 mod csg_scene;
 mod embree;

@@ -19,7 +19,9 @@ use crate::math::{Bounds, Ray};
 
 use super::mesh::MeshTree;
 use super::tree::Tree;
+use super::winding::WindingNumber;
 use flatten::{Formula, Literal, Operator};
+pub use operand::HOLE;
 use operand::{Form, Kind, Leaf};
 
 /// A CSG object made ready for rays and points, in its own space.
@@ -63,7 +65,7 @@ pub struct CsgCrossing {
     pub t: f64,
     /// Index of the operand whose surface it is.
     pub operand: u32,
-    /// Solid: the face. Mesh: the triangle.
+    /// Solid: the face. Mesh: the triangle, or [`HOLE`].
     pub face: u32,
     /// Whether the ray goes into the object.
     pub enter: bool,
@@ -92,8 +94,10 @@ impl CsgTree {
             .map(|operand| {
                 Form::new(match operand {
                     Operand::Solid(solid) => Kind::Solid(*solid),
-                    Operand::Mesh(id) | Operand::OpenMesh(id) => {
-                        Kind::Mesh(meshes[id.0 as usize].clone())
+                    Operand::Mesh(id) => Kind::Mesh(meshes[id.0 as usize].clone()),
+                    Operand::OpenMesh(id) => {
+                        let mesh = meshes[id.0 as usize].clone();
+                        Kind::OpenMesh(Arc::new(WindingNumber::new(mesh)))
                     }
                 })
             })
@@ -221,11 +225,7 @@ impl CsgTree {
     /// How far off its place the surface of `operand` may be found, seen from its own point `p` with the unit normal
     /// `n`.
     pub(super) fn uncertainty(&self, operand: u32, p: DVec3, n: DVec3) -> f64 {
-        let leaf = &self.leaves[self.positions[operand as usize] as usize];
-        let (form, map) = (
-            &self.forms[leaf.form as usize],
-            &self.maps[leaf.map as usize],
-        );
+        let (leaf, form, map) = self.leaf(operand);
         let span = 2.0 * p.abs() + leaf.origin.abs();
         let distance = (map.inverse * (p - leaf.origin)).length();
         let n = map.forward.transpose() * n;
@@ -233,8 +233,31 @@ impl CsgTree {
     }
 
     /// The barycentric weights of the second and third corner where `ray` crosses a mesh; else 0.
-    pub(super) fn weights(&self, _ray: &Ray, _crossing: &CsgCrossing) -> Vec2 {
-        Vec2::ZERO
+    pub(super) fn weights(&self, ray: &Ray, crossing: &CsgCrossing) -> Vec2 {
+        let (leaf, form, map) = self.leaf(crossing.operand);
+        let mesh = match &form.kind {
+            Kind::Solid(_) => return Vec2::ZERO,
+            Kind::Mesh(mesh) => mesh,
+            Kind::OpenMesh(winding) => &winding.mesh,
+        };
+        let local = leaf.local_ray(map, ray);
+        mesh.barycentric(&local, crossing.t, crossing.face)
+            .as_vec2()
+    }
+
+    /// The outward normal of `operand` at its own point `p` in a hole, where the face is [`HOLE`]; all in the
+    /// operand's space.
+    pub fn hole_normal(&self, operand: u32, p: DVec3) -> DVec3 {
+        match &self.leaf(operand).1.kind {
+            Kind::OpenMesh(mesh) => mesh.normal(p),
+            _ => DVec3::Z,
+        }
+    }
+
+    fn leaf(&self, operand: u32) -> (&Leaf, &Form, &LinearMap) {
+        let leaf = &self.leaves[self.positions[operand as usize] as usize];
+        let (form, map) = (leaf.form as usize, leaf.map as usize);
+        (leaf, &self.forms[form], &self.maps[map])
     }
 
     fn crossing(&self, flip: sweep::Flip) -> CsgCrossing {
@@ -250,8 +273,30 @@ impl CsgTree {
 }
 
 /// The tree of each mesh; those of meshes that a CSG object uses hold every triangle.
-pub(super) fn mesh_trees(meshes: &[Mesh], _csgs: &[Csg]) -> Result<Vec<Arc<MeshTree>>> {
-    (meshes.iter())
-        .map(|mesh| MeshTree::build(mesh).map(Arc::new))
-        .collect()
+///
+/// # Errors
+/// Where a mesh is invalid, or is an operand and not closed.
+pub(super) fn mesh_trees(meshes: &[Mesh], csgs: &[Csg]) -> Result<Vec<Arc<MeshTree>>> {
+    let mut is_operand = vec![false; meshes.len()];
+    let mut must_be_closed = is_operand.clone();
+    for operand in csgs.iter().flat_map(|csg| &csg.operands) {
+        if let Operand::Mesh(id) | Operand::OpenMesh(id) = operand {
+            is_operand[id.0 as usize] = true;
+            must_be_closed[id.0 as usize] |= matches!(operand, Operand::Mesh(_));
+        }
+    }
+    let tree = |(i, mesh): (usize, &Mesh)| {
+        if must_be_closed[i]
+            && let Some(openness) = mesh.openness()
+        {
+            return Err(openness.error(None, |_| None));
+        }
+        let tree = if is_operand[i] {
+            MeshTree::build_operand(mesh)
+        } else {
+            MeshTree::build(mesh)
+        };
+        tree.map(Arc::new)
+    };
+    meshes.iter().enumerate().map(tree).collect()
 }

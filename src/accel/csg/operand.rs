@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::accel::mesh::MeshTree;
+use crate::accel::mesh::{MeshCrossing, MeshTree};
+use crate::accel::winding::WindingNumber;
 use crate::geometry::solid::Crossing;
 use crate::geometry::{LinearMap, Solid};
 use crate::math::{Bounds, Ray};
@@ -14,7 +15,11 @@ use crate::math::{Bounds, Ray};
 pub(super) enum Kind {
     Solid(Solid),
     Mesh(Arc<MeshTree>),
+    OpenMesh(Arc<WindingNumber>),
 }
+
+/// The face where an open mesh has none: in a hole.
+pub const HOLE: u32 = u32::MAX;
 
 /// What operands share.
 #[derive(Clone, Debug)]
@@ -65,21 +70,20 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Form {
     pub(super) fn new(kind: Kind) -> Self {
-        let bounds = match &kind {
-            Kind::Solid(solid) => solid.bounds(),
-            Kind::Mesh(mesh) => mesh.bounds,
-        };
+        let mut form = Self { kind, size: 0.0 };
+        let bounds = form.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).length();
-        Self {
-            size: if reach.is_finite() { reach } else { 0.0 },
-            kind,
+        if reach.is_finite() {
+            form.size = reach;
         }
+        form
     }
 
     pub(super) fn bounds(&self) -> Bounds {
         match &self.kind {
             Kind::Solid(solid) => solid.bounds(),
             Kind::Mesh(mesh) => mesh.bounds,
+            Kind::OpenMesh(mesh) => mesh.mesh.bounds,
         }
     }
 
@@ -172,7 +176,34 @@ impl Leaf {
                     }
                 }
             }
-            Kind::Mesh(_) => {}
+            Kind::Mesh(mesh) => winding_events(mesh, &local, |crossing, enter, chord| {
+                emit(Event {
+                    t: crossing.t,
+                    dt: certain(crossing.t, crossing.n.normalize(), chord),
+                    leaf: position,
+                    face: crossing.primitive,
+                    enter,
+                });
+            }),
+            Kind::OpenMesh(mesh) => {
+                let event = |t: f64, face: u32, enter: bool| Event {
+                    t,
+                    dt: 0.0,
+                    leaf: position,
+                    face,
+                    enter,
+                };
+                let mut inside = false;
+                mesh.open_crossings(&local, |crossing| {
+                    // A ray that first leaves has started inside.
+                    if inside == crossing.enter {
+                        emit(event(f64::NEG_INFINITY, HOLE, true));
+                    }
+                    inside = crossing.enter;
+                    let face = crossing.primitive.unwrap_or(HOLE);
+                    emit(event(crossing.t, face, crossing.enter));
+                });
+            }
         }
     }
 
@@ -181,7 +212,36 @@ impl Leaf {
         let local = map.inverse * (p - self.origin);
         match &form.kind {
             Kind::Solid(solid) => solid.contains(local),
-            Kind::Mesh(_) => false,
+            Kind::Mesh(mesh) => mesh.winding(local) > 0,
+            Kind::OpenMesh(mesh) => mesh.contains(local),
+        }
+    }
+}
+
+/// Where `ray` passes from winding number 0 to 1 or back beyond `ray.tmin`, in order, with how far it is to the next or
+/// last such place. A ray that starts inside first enters before all numbers.
+fn winding_events(mesh: &MeshTree, ray: &Ray, mut visit: impl FnMut(&MeshCrossing, bool, f64)) {
+    let mut crossings: Vec<MeshCrossing> = Vec::new();
+    mesh.crossings(ray, |crossing| crossings.push(crossing));
+    crossings.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+    let step = |crossing: &MeshCrossing| if crossing.enter { 1 } else { -1 };
+    let mut winding = -crossings.iter().map(step).sum::<i32>();
+    let mut last = f64::NEG_INFINITY;
+    if let Some(first) = crossings.first().filter(|_| winding > 0) {
+        let start = MeshCrossing { t: last, ..*first };
+        visit(&start, true, 0.0);
+    }
+    for (i, crossing) in crossings.iter().enumerate() {
+        let before = winding > 0;
+        winding += step(crossing);
+        if before != (winding > 0) {
+            let next = crossings.get(i + 1).map_or(f64::INFINITY, |next| next.t);
+            visit(
+                crossing,
+                winding > 0,
+                (next - crossing.t).min(crossing.t - last),
+            );
+            last = crossing.t;
         }
     }
 }

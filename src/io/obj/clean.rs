@@ -8,6 +8,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 
 use super::super::lines::{Line, Lines};
+use super::super::read_file;
 use super::faces::{Faces, Found};
 
 /// Text is handed on in pieces of about this many bytes.
@@ -82,6 +83,28 @@ impl<'a> Cleaner<'a> {
         }
         Ok(())
     }
+}
+
+/// For each triangle of the file the line of its face: a second reading, for errors about triangles.
+pub(in crate::io) fn triangle_lines(file: &Path) -> Result<Vec<u32>> {
+    let bytes = read_file(file)?;
+    let mut out = Vec::new();
+    let mut vertices = Vertices::default();
+    let mut lines = Lines::new(file, &bytes);
+    while let Some(line) = lines.next() {
+        vertices.read(line, &mut out)?;
+        out.clear();
+    }
+    let mut faces = Faces::default();
+    let mut numbers = Vec::new();
+    let mut lines = Lines::new(file, &bytes);
+    while let Some(line) = lines.next() {
+        let number = line.number as u32;
+        faces.read(line, &vertices, &mut out)?;
+        out.clear();
+        numbers.resize(faces.found.triangle_slots.len(), number);
+    }
+    Ok(numbers)
 }
 
 impl Read for Cleaner<'_> {

@@ -16,6 +16,7 @@ use crate::scene::{Model, Part};
 
 use super::{mtl, read_file};
 use clean::Cleaner;
+pub(super) use clean::triangle_lines;
 use faces::Found;
 
 /// Reads an OBJ file as one mesh and one part: triangle `i` is the file's triangle `i`, polygons being
