@@ -25,6 +25,7 @@ mod random;
 mod readme;
 mod scene_errors;
 mod scene_file;
+mod scenes;
 mod solids;
 mod support;
 mod surface;
