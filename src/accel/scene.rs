@@ -136,7 +136,7 @@ impl Accel {
         };
         let uncertain = self.csg(*id).uncertainty(hit.primitive, p, n);
         let position = world_from_object.point(p).abs().max_element();
-        MARGIN * uncertain * world_from_object.max_stretch() + ERROR * position
+        MARGIN * (uncertain * world_from_object.max_stretch() + ROUNDING * position)
     }
 
     /// How far, in world units, a ray must start off the surface of `instance`, a mesh or a solid, near the
@@ -289,8 +289,11 @@ impl Placed {
     }
 }
 
-/// How many times its uncertainty a surface is left behind.
+/// How many times its uncertainty a CSG surface is left behind.
 const MARGIN: f64 = 32.0;
+
+/// Of taking a point to world space and back.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Far above the relative rounding of a few f64 operations, far below what can be seen.
 const ERROR: f64 = 1.0 / (1_u64 << 40) as f64;

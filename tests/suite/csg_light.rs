@@ -212,8 +212,8 @@ fn a_lit_box_has_no_shadow_bands() {
 
 #[test]
 fn shells_of_any_thickness_hold_light() {
-    // The walls of nested glowing shells, down to a thickness of 1e-9, hide what is behind them.
-    for thickness in [1e-1, 1e-3, 1e-6, 1e-9] {
+    // The walls of nested glowing shells, down to a thickness of 1e-11, hide what is behind them.
+    for thickness in [1e-1, 1e-3, 1e-6, 1e-9, 1e-11] {
         let mut csg = Csg::default();
         push(&mut csg, Solid::Sphere { radius: 1.0 }, DVec3::ZERO);
         let inner = Solid::Sphere {
