@@ -114,7 +114,7 @@ impl Mesh {
     fn welded(&self) -> Vec<u32> {
         let mut order: Vec<([u32; 3], u32)> = (self.positions.par_iter().enumerate())
             // Adding 0 makes -0 and 0 one.
-            .map(|(i, p)| ((*p).to_array().map(f32::to_bits), i as u32))
+            .map(|(i, p)| ((*p + Vec3::ZERO).to_array().map(f32::to_bits), i as u32))
             .collect();
         order.par_sort_unstable();
         let mut welded = vec![0; order.len()];

@@ -37,7 +37,7 @@ mod tests {
     use super::check_closed;
     use crate::io::read_model;
 
-    /// A cube whose top (a quad in line 12) and one side (line 13) are given apart.
+    /// A cube without the face +x; faces begin in line 11, and one goes on in the next line.
     const OPEN: &str = "# a box without its last face\n\
         v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
         \nf 1 4 3 2\nf 5 6 7 8\nf 1 2 \\\n 6 5\nf 4 8 7 3\nf 1 5 8 4\n";

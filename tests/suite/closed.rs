@@ -49,15 +49,13 @@ fn closed_meshes_are_closed_wherever_they_are() {
 fn vertices_in_one_place_are_one_vertex() {
     for mesh in closed_meshes() {
         // Every triangle with vertices of its own, as glTF has them along seams; -0 is 0.
+        let corners = mesh.triangles.iter().flatten().enumerate();
         let split = Mesh {
-            positions: (mesh.triangles.iter().flatten())
-                .map(|&v| mesh.positions[v as usize] + 0.0)
-                .map(|p| {
-                    if p.x == 0.0 {
-                        Vec3::new(-0.0, p.y, p.z)
-                    } else {
-                        p
-                    }
+            positions: corners
+                .map(|(i, &v)| {
+                    let p = mesh.positions[v as usize] + 0.0;
+                    // Twice a change of sign, which 0 survives as -0.
+                    if i % 2 == 0 { p } else { -(0.0 - p) }
                 })
                 .collect(),
             triangles: (0..mesh.triangles.len() as u32)
@@ -67,14 +65,6 @@ fn vertices_in_one_place_are_one_vertex() {
         };
         assert_eq!(split.openness(), None);
     }
-    let mut mixed = cube();
-    for (i, p) in mixed.positions.iter_mut().enumerate() {
-        p.x = if p.x < 0.0 { 0.0 } else { 1.0 };
-        if i == 2 {
-            p.x = -0.0;
-        }
-    }
-    assert_eq!(mixed.openness(), None);
 }
 
 #[test]
@@ -225,7 +215,7 @@ fn counts_equal_those_of_a_plain_count_for_random_triangles() {
             positions: (0..vertices)
                 .map(|_| Vec3::from_array([0; 3].map(|_| (random.next() % 3) as f32)))
                 .collect(),
-            triangles: (0..1 + random.next() % 12)
+            triangles: (0..=random.next() % 12)
                 .map(|_| [0; 3].map(|_| (random.next() % vertices) as u32))
                 .collect(),
             ..Mesh::default()
