@@ -134,7 +134,7 @@ impl Accel {
         let Shape::Csg(id) = shape else {
             return self.error(hit.instance, p);
         };
-        let uncertain = self.csg(*id).uncertainty(hit.primitive, p, n);
+        let uncertain = self.csg(*id).uncertainty(hit.primitive, hit.face, p, n);
         let position = world_from_object.point(p).abs().max_element();
         MARGIN * (uncertain * world_from_object.max_stretch() + ROUNDING * position)
     }

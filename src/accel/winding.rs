@@ -56,12 +56,15 @@ struct Part {
 pub(super) struct OpenCrossing {
     /// Ray parameter.
     pub t: f64,
-    /// The triangle at which it does, whichever way that one faces; `None` in a hole, where [`WindingNumber::normal`]
+    /// The triangle at which it does, whichever way that one faces; `None` in a hole, where [`WindingNumber::fall`]
     /// has the direction to the outside.
     pub primitive: Option<u32>,
     /// Whether it comes in.
     pub enter: bool,
 }
+
+/// What taking groups together mostly changes the number by; at worst ten times that.
+pub(super) const APPROXIMATION: f64 = 0.0002;
 
 /// Groups farther than this many radii are taken together.
 const FAR: f64 = 3.0;
@@ -105,13 +108,13 @@ impl WindingNumber {
         self.at(p) > 0.5
     }
 
-    /// The unit vector in which the number falls fastest: to the outside, for a point in a hole.
-    pub(super) fn normal(&self, p: DVec3) -> DVec3 {
+    /// How fast the number falls and in which direction: to the outside, for a point in a hole.
+    pub(super) fn fall(&self, p: DVec3) -> DVec3 {
         let p = p - self.mesh.tree.center;
         let step = f64::from(self.mesh.tree.extent) * 2.0_f64.powi(-16);
         let slope = DVec3::AXES
             .map(|axis| self.number(p - step * axis, p) - self.number(p + step * axis, p));
-        (DVec3::from_array(slope) / step).normalize_or(DVec3::Z)
+        DVec3::from_array(slope) / (2.0 * step)
     }
 
     /// The number of `p` relative to the tree's centre, with groups taken together that are far from `near`.

@@ -173,7 +173,7 @@ impl CsgSummary {
             depth,
             bytes,
         } = self.report;
-        let mut text = format!(
+        let mut notes = vec![format!(
             "csg        {}: {} operands, {} operators (flattened {}), depth {}, {}",
             self.name,
             n(operands),
@@ -181,16 +181,19 @@ impl CsgSummary {
             n(flattened),
             n(depth),
             size_text(bytes)
-        );
+        )];
         if self.empty {
-            text += "; nothing is left of it";
+            notes.push("nothing is left of it".to_owned());
         } else if dropped > 0 {
-            text += &format!("; {} operands dropped as empty", n(dropped));
+            notes.push(format!("{} operands dropped as empty", n(dropped)));
         }
         if self.coincident > 0 {
-            text += &format!("; note: {} pairs of coincident faces", n(self.coincident));
+            notes.push(format!(
+                "note: {} pairs of coincident faces",
+                n(self.coincident)
+            ));
         }
-        text
+        notes.join("; ")
     }
 }
 

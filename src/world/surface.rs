@@ -83,7 +83,8 @@ impl World {
         };
         LocalPoint {
             p: a + f64::from(v) * ab + f64::from(w) * ac,
-            n: ab.cross(ac).normalize(),
+            // An operand keeps triangles without area.
+            n: ab.cross(ac).normalize_or(DVec3::Z),
             shading,
             uv,
             slot: mesh.slot(triangle),
@@ -107,8 +108,16 @@ impl World {
                     slot: 0,
                 }
             }
-            Operand::Mesh(mesh) | Operand::OpenMesh(mesh) => {
-                self.on_mesh(mesh, hit.face, hit.uv, smooth)
+            Operand::Mesh(mesh) => self.on_mesh(mesh, hit.face, hit.uv, smooth),
+            Operand::OpenMesh(mesh) => {
+                // Its triangles may face either way.
+                let mut at = self.on_mesh(mesh, hit.face, hit.uv, smooth);
+                let enters = hit.inside == hit.negated;
+                if (at.n.dot(local.direction) > 0.0) == enters {
+                    at.n = -at.n;
+                    at.shading = at.shading.map(|n| -n);
+                }
+                at
             }
         };
         let sign = if hit.negated { -1.0 } else { 1.0 };

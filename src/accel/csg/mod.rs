@@ -19,7 +19,7 @@ use crate::math::{Bounds, Ray};
 
 use super::mesh::MeshTree;
 use super::tree::Tree;
-use super::winding::WindingNumber;
+use super::winding::{APPROXIMATION, WindingNumber};
 use flatten::{Formula, Literal, Operator};
 pub use operand::HOLE;
 use operand::{Form, Kind, Leaf};
@@ -222,10 +222,17 @@ impl CsgTree {
         self.holds(holding.into_iter())
     }
 
-    /// How far off its place the surface of `operand` may be found, seen from its own point `p` with the unit normal
-    /// `n`.
-    pub(super) fn uncertainty(&self, operand: u32, p: DVec3, n: DVec3) -> f64 {
+    /// How far off its place the surface of `operand` at `face` may be found, seen from its own point `p` with the
+    /// unit normal `n`.
+    pub(super) fn uncertainty(&self, operand: u32, face: u32, p: DVec3, n: DVec3) -> f64 {
         let (leaf, form, map) = self.leaf(operand);
+        if face == HOLE
+            && let Kind::OpenMesh(mesh) = &form.kind
+        {
+            let fall = mesh.fall(map.inverse * (p - leaf.origin));
+            let n = map.forward.transpose() * n;
+            return n.length() * (APPROXIMATION / fall.length()).min(form.size);
+        }
         let span = 2.0 * p.abs() + leaf.origin.abs();
         let distance = (map.inverse * (p - leaf.origin)).length();
         let n = map.forward.transpose() * n;
@@ -249,7 +256,7 @@ impl CsgTree {
     /// operand's space.
     pub fn hole_normal(&self, operand: u32, p: DVec3) -> DVec3 {
         match &self.leaf(operand).1.kind {
-            Kind::OpenMesh(mesh) => mesh.normal(p),
+            Kind::OpenMesh(mesh) => mesh.fall(p).normalize_or(DVec3::Z),
             _ => DVec3::Z,
         }
     }

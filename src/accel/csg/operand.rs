@@ -64,6 +64,9 @@ impl Event {
     }
 }
 
+/// An open mesh looks at its winding number beside its crossings, this far away.
+const BESIDE: f64 = 1024.0 * f64::EPSILON;
+
 /// Solids find their crossings this close to a face, in units of their size and the distance to the ray's origin
 /// ([`Solid::spans`]); transforming the ray costs less, in units of the coordinates.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -94,7 +97,14 @@ impl Form {
         let moved = inverse.x_axis.abs() * span.x
             + inverse.y_axis.abs() * span.y
             + inverse.z_axis.abs() * span.z;
-        ROUNDING * (self.size + distance + n.abs().dot(moved))
+        self.rounding() * (self.size + distance + n.abs().dot(moved))
+    }
+
+    fn rounding(&self) -> f64 {
+        match self.kind {
+            Kind::Solid(_) | Kind::Mesh(_) => ROUNDING,
+            Kind::OpenMesh(_) => BESIDE,
+        }
     }
 }
 
@@ -186,9 +196,11 @@ impl Leaf {
                 });
             }),
             Kind::OpenMesh(mesh) => {
+                let off = form.rounding() * (form.size + distance);
+                let dt = off / local.direction.length();
                 let event = |t: f64, face: u32, enter: bool| Event {
                     t,
-                    dt: 0.0,
+                    dt: if t.is_finite() { dt } else { 0.0 },
                     leaf: position,
                     face,
                     enter,

@@ -214,7 +214,7 @@ impl Sweep<'_> {
         );
         let events = &mut self.scratch.events;
         leaf.events(position, form, map, self.ray, |event| {
-            events.push(Pending(event))
+            events.push(Pending(event));
         });
     }
 
