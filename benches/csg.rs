@@ -64,7 +64,7 @@ fn nest(n: usize) -> Csg {
     csg
 }
 
-/// One ray a pixel of a camera that sees the whole block.
+/// One ray a pixel of a camera close enough that all rays meet the block.
 fn camera() -> Vec<Ray> {
     let eye = DVec3::new(1.1, 0.9, 1.6);
     let forward = -eye.normalize();
@@ -74,7 +74,7 @@ fn camera() -> Vec<Ray> {
     (0..PIXELS * PIXELS)
         .map(|i| {
             let (x, y) = (scale(i % PIXELS), scale(i / PIXELS));
-            Ray::new(eye, (forward + 0.75 * (x * right + y * up)).normalize())
+            Ray::new(eye, (forward + 0.45 * (x * right + y * up)).normalize())
         })
         .collect()
 }

@@ -3,6 +3,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::color::Tonemap;
@@ -130,7 +131,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
 
     let mut image = rendered.film.to_image();
     image.metadata = args.metadata(scene, &camera, &settings, &rendered);
-    for path in &outputs {
+    outputs.par_iter().try_for_each(|path| {
         let shown = if is_png(path) {
             for_looking(&scene.integrator, &image)
         } else {
@@ -145,8 +146,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
                 Precision::Float
             },
         };
-        write_image(path, shown.as_ref().unwrap_or(&image), &options)?;
-    }
+        write_image(path, shown.as_ref().unwrap_or(&image), &options)
+    })?;
     if !args.quiet {
         println!(
             "{}",

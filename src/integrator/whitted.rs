@@ -87,18 +87,20 @@ impl WhittedIntegrator {
         };
         let lights = world.lights();
         let mut sum = Rgb::ZERO;
+        let mut extended = false;
         for light in lights.lights() {
-            if matches!(light, Light::Point(_))
-                && let Some(sample) = light.sample(point.p, Vec2::ZERO)
-            {
+            if !matches!(light, Light::Point(_)) {
+                extended = true;
+            } else if let Some(sample) = light.sample(point.p, Vec2::ZERO) {
                 sum += add(sample);
             }
         }
-        let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
-        if let Some(sample) = lights.sample(point.p, pick, Vec2::new(u, v))
-            && sample.pdf.is_finite()
-        {
-            sum += add(sample);
+        if extended {
+            let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
+            let sample = lights.sample(point.p, pick, Vec2::new(u, v));
+            if let Some(sample) = sample.filter(|sample| sample.pdf.is_finite()) {
+                sum += add(sample);
+            }
         }
         sum
     }

@@ -66,7 +66,7 @@ fn the_scene_loads() {
     let path = folder.path().join("scene.ron");
     fs::write(&path, scene).unwrap();
     let scene = SceneDescription::read(&path).unwrap().load().unwrap();
-    assert_eq!(scene.instances.len(), 4);
+    assert_eq!((scene.instances.len(), scene.csgs.len()), (5, 1));
 }
 
 #[test]

@@ -160,7 +160,7 @@ fn a_ray_through_the_mouth_of_a_bowl_enters_at_the_plane_of_its_rim() {
         );
         assert!(ray.at(mouth.t).y.abs() < 5e-3, "{ray:?}: {found:?}");
         assert!((ray.at(wall.t).length() - 1.0).abs() < 1e-3 && wall.primitive.is_some());
-        assert!(winding.normal(ray.at(mouth.t)).dot(DVec3::Y) > 0.999);
+        assert!(winding.fall(ray.at(mouth.t)).normalize().dot(DVec3::Y) > 0.999);
         // From within the bowl, only the wall is left.
         let inner = Ray {
             tmin: mouth.t + 1e-3 * (wall.t - mouth.t),
