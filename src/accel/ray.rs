@@ -26,7 +26,7 @@ pub(super) struct TreeRay {
     pub exact_shear: [f64; 2],
     /// The direction's component along `axes[2]`.
     pub length: f64,
-    /// A power of two: boxes and `inverse` use the direction times `unit`, so that f32 can hold it.
+    /// A power of two: boxes and `inverse` use the direction over `unit`, so that f32 can hold it.
     pub unit: f64,
 }
 
@@ -42,8 +42,8 @@ impl TreeRay {
             ray.direction[axes[0]] / length,
             ray.direction[axes[1]] / length,
         ];
-        let unit = exponent_of(length.abs()).recip();
-        let direction = (ray.direction * unit).as_vec3();
+        let unit = exponent_of(length.abs());
+        let direction = (ray.direction / unit).as_vec3();
         let exact_origin = ray.origin - center;
         let origin = exact_origin.as_vec3();
         let slack = SLACK * (origin.abs().max_element() + extent);
@@ -70,12 +70,12 @@ impl TreeRay {
 
     /// `t` of the caller's ray in the units of the box test, not below its true value.
     pub(super) fn box_limit(&self, t: f64) -> f32 {
-        ((t / self.unit) as f32).next_up()
+        ((t * self.unit) as f32).next_up()
     }
 
     /// The same, not above its true value.
     pub(super) fn box_start(&self, t: f64) -> f32 {
-        ((t / self.unit) as f32).next_down()
+        ((t * self.unit) as f32).next_down()
     }
 }
 

@@ -48,8 +48,8 @@ pub struct Accel {
     placed: Vec<Placed>,
     /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
     tree: Option<(Tree, Vec<u32>)>,
-    /// Those without bounds: endless, and CSG objects that half-spaces leave open.
-    endless: Vec<u32>,
+    /// Those that every ray is tested with: planes, CSG objects that half-spaces leave open, and all of few shapes.
+    always: Vec<u32>,
     bounds: Bounds,
 }
 
@@ -63,17 +63,21 @@ impl Accel {
         let csgs = (csgs.iter())
             .map(|csg| CsgTree::over(csg, &meshes))
             .collect::<Result<Vec<_>>>()?;
-        let (mut bounded, mut boxes, mut endless) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bounded, mut boxes, mut always) = (Vec::new(), Vec::new(), Vec::new());
         for (i, p) in placed.iter().enumerate() {
             let bounds = p.bounds(&meshes, &csgs);
             if bounds.is_finite() {
                 bounded.push(i as u32);
                 boxes.push(bounds);
             } else if !bounds.is_empty() {
-                endless.push(i as u32);
+                always.push(i as u32);
             }
         }
-        let tree = (!boxes.is_empty()).then(|| {
+        if boxes.len() <= FEW {
+            always.append(&mut bounded);
+            always.sort_unstable();
+        }
+        let tree = (!bounded.is_empty()).then(|| {
             let (tree, order) = Tree::build(&boxes);
             let order = order.into_iter().map(|i| bounded[i as usize]).collect();
             (tree, order)
@@ -84,7 +88,7 @@ impl Accel {
             csgs,
             placed,
             tree,
-            endless,
+            always,
         })
     }
 
@@ -167,8 +171,8 @@ impl Accel {
                 best = Some(hit);
             }
         };
-        for &plane in &self.endless {
-            if let Some(hit) = self.intersect_one(plane, ray, limit) {
+        for &instance in &self.always {
+            if let Some(hit) = self.intersect_one(instance, ray, limit) {
                 offer(hit, &mut limit);
             }
         }
@@ -190,7 +194,7 @@ impl Accel {
 
     /// Whether anything lies in `tmin < t < tmax`.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if (self.endless.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
+        if (self.always.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
             return true;
         }
         let Some((tree, order)) = &self.tree else {
@@ -288,6 +292,9 @@ impl Placed {
         }
     }
 }
+
+/// So many shapes need no tree of boxes.
+const FEW: usize = 4;
 
 /// How many times its uncertainty a CSG surface is left behind.
 const MARGIN: f64 = 32.0;

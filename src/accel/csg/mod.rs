@@ -22,7 +22,7 @@ use super::tree::Tree;
 use super::winding::{APPROXIMATION, WindingNumber};
 use flatten::{Formula, Literal, Operator};
 pub use operand::HOLE;
-use operand::{Form, Kind, Leaf};
+use operand::{Form, Kind, Leaf, moved};
 
 /// A CSG object made ready for rays and points, in its own space.
 #[derive(Debug)]
@@ -236,7 +236,7 @@ impl CsgTree {
         let span = 2.0 * p.abs() + leaf.origin.abs();
         let distance = (map.inverse * (p - leaf.origin)).length();
         let n = map.forward.transpose() * n;
-        n.length() * form.uncertainty(&map.inverse, span, distance, n.normalize())
+        n.length() * form.uncertainty(moved(&map.inverse, span), distance, n.normalize())
     }
 
     /// The barycentric weights of the second and third corner where `ray` crosses a mesh; else 0.

@@ -90,13 +90,10 @@ impl Form {
         }
     }
 
-    /// How far along the unit normal `n` the surface may be found off its place. All in the operand's space but
-    /// `span`, the largest coordinates that were involved before the map `inverse`; `distance` is that of the
-    /// operand's origin to where the solver started.
-    pub(super) fn uncertainty(&self, inverse: &DMat3, span: DVec3, distance: f64, n: DVec3) -> f64 {
-        let moved = inverse.x_axis.abs() * span.x
-            + inverse.y_axis.abs() * span.y
-            + inverse.z_axis.abs() * span.z;
+    /// How far along the unit normal `n` the surface may be found off its place. All in the operand's space: `moved`
+    /// bounds what the coordinates were before they came there (see [`moved`]), `distance` is that of the operand's
+    /// origin to where the solver started.
+    pub(super) fn uncertainty(&self, moved: DVec3, distance: f64, n: DVec3) -> f64 {
         self.rounding() * (self.size + distance + n.abs().dot(moved))
     }
 
@@ -106,6 +103,11 @@ impl Form {
             Kind::OpenMesh(_) => BESIDE,
         }
     }
+}
+
+/// The coordinates `span` taken to the operand's space without signs, so that nothing cancels.
+pub(super) fn moved(inverse: &DMat3, span: DVec3) -> DVec3 {
+    inverse.x_axis.abs() * span.x + inverse.y_axis.abs() * span.y + inverse.z_axis.abs() * span.z
 }
 
 impl Leaf {
@@ -154,42 +156,49 @@ impl Leaf {
         let local = self.local_ray(map, ray);
         let distance = local.origin.length();
         let near = ray.origin.abs() + self.origin.abs();
+        let reach = |t: f64| {
+            if t.is_finite() {
+                ray.at(t).abs()
+            } else {
+                DVec3::ZERO
+            }
+        };
         // Within `chord`, the distance to the operand's next crossing: a shallower one is as good as none.
-        let certain = |t: f64, n: DVec3, chord: f64| {
-            let span = near + ray.at(t).abs();
-            let off = form.uncertainty(&map.inverse, span, distance, n);
-            (off / n.dot(local.direction).abs()).min(chord)
+        let certain = |t: f64, moved: DVec3, n: DVec3, chord: f64| {
+            let off = form.uncertainty(moved, distance, n);
+            if t.is_finite() {
+                (off / n.dot(local.direction).abs()).min(chord)
+            } else {
+                0.0
+            }
         };
         match &form.kind {
             Kind::Solid(solid) => {
                 for span in solid.spans(&local).iter() {
                     let chord = span.exit.t - span.enter.t;
-                    let event = |crossing: Crossing, enter: bool| {
-                        let t = crossing.t;
-                        let dt = if t.is_finite() {
-                            certain(t, solid.normal(local.at(t), crossing.face), chord)
-                        } else {
-                            0.0
-                        };
-                        Event {
+                    if span.exit.t + chord < ray.tmin {
+                        continue;
+                    }
+                    let far = reach(span.enter.t).max(reach(span.exit.t));
+                    let moved = moved(&map.inverse, near + far);
+                    for (crossing, enter) in [(span.enter, true), (span.exit, false)] {
+                        let Crossing { t, face } = crossing;
+                        let n = solid.normal(local.at(t), face);
+                        emit(Event {
                             t,
-                            dt,
+                            dt: certain(t, moved, n, chord),
                             leaf: position,
-                            face: crossing.face,
+                            face,
                             enter,
-                        }
-                    };
-                    let exit = event(span.exit, false);
-                    if exit.latest() >= ray.tmin {
-                        emit(event(span.enter, true));
-                        emit(exit);
+                        });
                     }
                 }
             }
             Kind::Mesh(mesh) => winding_events(mesh, &local, |crossing, enter, chord| {
+                let moved = moved(&map.inverse, near + reach(crossing.t));
                 emit(Event {
                     t: crossing.t,
-                    dt: certain(crossing.t, crossing.n.normalize(), chord),
+                    dt: certain(crossing.t, moved, crossing.n.normalize(), chord),
                     leaf: position,
                     face: crossing.primitive,
                     enter,

@@ -55,6 +55,14 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
+/// The boxes' side of a pass, with the ray's ends in the units of the box test.
+struct Boxes<'a> {
+    tree: &'a Tree,
+    ray: TreeRay,
+    start: f32,
+    end: f32,
+}
+
 /// The state of one pass.
 struct Sweep<'a> {
     tree: &'a CsgTree,
@@ -129,17 +137,22 @@ impl Sweep<'_> {
         for position in 0..self.tree.unbounded {
             self.load(position);
         }
-        let local = (self.tree.tree.as_ref())
-            .map(|tree| (tree, TreeRay::new(self.ray, tree.center, tree.extent)));
-        if let Some((tree, _)) = &local {
+        let boxes = self.tree.tree.as_ref().map(|tree| {
             self.scratch.frontier.push(Frontier {
                 t: f32::NEG_INFINITY,
                 link: tree.root(),
             });
-        }
+            let ray = TreeRay::new(self.ray, tree.center, tree.extent);
+            Boxes {
+                tree,
+                start: ray.box_start(self.ray.tmin),
+                end: ray.box_limit(self.ray.tmax),
+                ray,
+            }
+        });
         loop {
-            if let Some((tree, local)) = &local {
-                self.advance(tree, local);
+            if let Some(boxes) = &boxes {
+                self.advance(boxes);
             }
             let Some(Pending(first)) = self.scratch.events.pop() else {
                 return ControlFlow::Continue(());
@@ -157,17 +170,11 @@ impl Sweep<'_> {
     }
 
     /// Loads every leaf that may have an event before the next one ends.
-    fn advance(&mut self, tree: &Tree, local: &TreeRay) {
-        let start = local.box_start(self.ray.tmin);
-        let end = local.box_limit(self.ray.tmax);
-        loop {
-            let mut limit = self.limit(local);
-            let Some(next) = self.scratch.frontier.peek() else {
-                return;
-            };
-            if next.t > limit {
-                return;
-            }
+    fn advance(&mut self, boxes: &Boxes) {
+        let mut limit = self.limit(boxes);
+        while let Some(next) = self.scratch.frontier.peek()
+            && next.t <= limit
+        {
             let mut link = next.link;
             self.scratch.frontier.pop();
             loop {
@@ -175,34 +182,44 @@ impl Sweep<'_> {
                     for position in link.first..link.first + link.count {
                         self.load(self.tree.unbounded + position);
                     }
+                    limit = self.limit(boxes);
                     break;
                 }
+                let (entries, children) =
+                    (boxes.tree).children(link, &boxes.ray, boxes.start, boxes.end);
                 // Whatever holds the start comes before everything else.
-                let entry =
-                    |t: Option<f32>| t.map(|t| if t <= start { f32::NEG_INFINITY } else { t });
-                let ([a, b], children) = tree.children(link, local, start, end);
-                let (mut near, mut far) = ((entry(a), children[0]), (entry(b), children[1]));
-                if far.0.is_some_and(|b| near.0.is_none_or(|a| b < a)) {
-                    std::mem::swap(&mut near, &mut far);
+                let [a, b] = entries.map(|t| match t {
+                    Some(t) if t <= boxes.start => f32::NEG_INFINITY,
+                    Some(t) => t,
+                    None => f32::INFINITY,
+                });
+                let side = usize::from(b < a);
+                let (near, far) = (a.min(b), a.max(b));
+                if far < f32::INFINITY {
+                    self.scratch.frontier.push(Frontier {
+                        t: far,
+                        link: children[1 - side],
+                    });
                 }
-                if let (Some(t), link) = far {
-                    self.scratch.frontier.push(Frontier { t, link });
-                }
-                let (Some(t), nearest) = near else { break };
-                limit = limit.min(end);
-                if t > limit {
-                    self.scratch.frontier.push(Frontier { t, link: nearest });
+                if near == f32::INFINITY {
                     break;
                 }
-                link = nearest;
+                if near > limit {
+                    self.scratch.frontier.push(Frontier {
+                        t: near,
+                        link: children[side],
+                    });
+                    break;
+                }
+                link = children[side];
             }
         }
     }
 
     /// What lies behind cannot belong to the next event.
-    fn limit(&self, local: &TreeRay) -> f32 {
+    fn limit(&self, boxes: &Boxes) -> f32 {
         let next = self.scratch.events.peek();
-        next.map_or(f32::INFINITY, |next| local.box_limit(next.0.latest()))
+        next.map_or(f32::INFINITY, |next| boxes.ray.box_limit(next.0.latest()))
     }
 
     fn load(&mut self, position: u32) {

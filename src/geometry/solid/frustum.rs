@@ -91,6 +91,9 @@ impl Frustum {
         match face {
             FROM_CAP => DVec3::NEG_Z,
             TO_CAP => DVec3::Z,
+            _ if self.from_radius == self.to_radius => {
+                p.truncate().normalize_or(DVec2::X).extend(0.0)
+            }
             _ => {
                 let out = self.height * p.truncate().normalize_or(DVec2::X);
                 out.extend(self.from_radius - self.to_radius).normalize()
