@@ -15,6 +15,7 @@ use solidtrace::io::read_model;
 use solidtrace::math::{Bounds, Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
 
+use crate::csg::oracle::{lathe, outside};
 use crate::support::comparison::comparison_cases;
 use crate::support::meshes::{moved, torus_mesh};
 
@@ -106,23 +107,7 @@ struct Marched {
 impl Marched {
     /// Negative inside; distance-like.
     fn value(&self, p: DVec3) -> f64 {
-        let p = self.place.inverse_point(p);
-        let rho = p.x.hypot(p.y);
-        match self.solid {
-            Solid::Sphere { radius } => p.length() - radius,
-            Solid::Box { half } => (p.abs() - half).max_element(),
-            Solid::Cylinder { radius, height } => (rho - radius).max(-p.z).max(p.z - height),
-            Solid::Cone {
-                from_radius,
-                to_radius,
-                height,
-            } => {
-                let radius = from_radius + (to_radius - from_radius) * p.z / height;
-                (rho - radius).max(-p.z).max(p.z - height)
-            }
-            Solid::Torus { major, minor } => (rho - major).hypot(p.z) - minor,
-            Solid::Plane => p.z,
-        }
+        outside(&self.solid, self.place.inverse_point(p))
     }
 }
 
@@ -241,30 +226,6 @@ fn a_crowd_of_solids_is_hit_where_embree_finds_user_geometry() {
     }
     println!("{hits} of {count} rays agree on a hit, {missed} graze");
     assert!(hits > count / 3 && missed < count / 200, "{hits} {missed}");
-}
-
-/// A surface of revolution around z from its profile (radius, z), turned in `n` steps.
-fn lathe(profile: &[(f64, f64)], n: u32, closed: bool) -> Mesh {
-    let count = profile.len() as u32;
-    let positions = (0..n).flat_map(|i| {
-        let (sin, cos) = (TAU * f64::from(i) / f64::from(n)).sin_cos();
-        (profile.iter()).map(move |&(r, z)| DVec3::new(r * cos, r * sin, z).as_vec3())
-    });
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        let next = (i + 1) % n;
-        for j in 0..if closed { count } else { count - 1 } {
-            let k = (j + 1) % count;
-            let [a, b] = [i * count + j, next * count + j];
-            let [c, d] = [next * count + k, i * count + k];
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    Mesh {
-        positions: positions.collect(),
-        triangles,
-        ..Mesh::default()
-    }
 }
 
 #[test]

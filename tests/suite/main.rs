@@ -6,6 +6,7 @@ mod bare_model;
 mod bsdf;
 mod cli;
 mod closed;
+mod csg;
 mod csg_light;
 mod csg_scene;
 mod embree;

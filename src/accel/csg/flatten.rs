@@ -125,6 +125,8 @@ impl Formula {
         });
         if value[0].is_some() {
             self.bounds = Bounds::EMPTY;
+            // Nothing is left: an `or` of nothing is false.
+            operators[0].or = true;
         }
 
         // Operators without a value, renumbered.
