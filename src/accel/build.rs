@@ -5,11 +5,13 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 /// Good trees in time linear in the input. Pre-splits are off: they gain nothing on scans.
-const PARAMS: BvhBuildParams = BvhBuildParams {
-    pre_split: false,
-    max_prims_per_leaf: 4,
-    ..BvhBuildParams::medium_build()
-};
+const fn params(leaf: u32) -> BvhBuildParams {
+    BvhBuildParams {
+        pre_split: false,
+        max_prims_per_leaf: leaf,
+        ..BvhBuildParams::medium_build()
+    }
+}
 
 /// A reference from one node to what lies below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +35,8 @@ pub(super) struct Topology {
 /// No path from the root is longer; traversal stacks rely on it.
 pub(super) const MAX_DEPTH: usize = 64;
 
-/// Builds a tree over `boxes`, at least one, all finite.
-pub(super) fn build(boxes: &[Aabb]) -> Topology {
+/// Builds a tree over `boxes`, at least one, all finite, with at most `leaf` of them in a leaf.
+pub(super) fn build(boxes: &[Aabb], leaf: u32) -> Topology {
     if boxes.len() == 1 {
         return Topology {
             children: Vec::new(),
@@ -42,7 +44,7 @@ pub(super) fn build(boxes: &[Aabb]) -> Topology {
             order: vec![0],
         };
     }
-    let bvh = build_bvh2(boxes, PARAMS, &mut std::time::Duration::default());
+    let bvh = build_bvh2(boxes, params(leaf), &mut std::time::Duration::default());
     from_obvhs(&bvh).unwrap_or_else(|| balanced(boxes))
 }
 
@@ -150,7 +152,7 @@ mod tests {
     #[test]
     fn equal_boxes_do_not_make_a_deep_tree() {
         let boxes = vec![Aabb::new(Vec3A::ZERO, Vec3A::ONE); 3000];
-        let topology = build(&boxes);
+        let topology = build(&boxes, 4);
         assert!(depth(&topology, topology.root) <= MAX_DEPTH);
         let mut order = topology.order.clone();
         order.sort_unstable();

@@ -48,6 +48,9 @@ pub(super) struct MeshTree {
     pub dropped: Vec<u32>,
 }
 
+/// A box costs as much as a few triangles.
+const TRIANGLES: u32 = 4;
+
 /// Squares of distances beyond this leave the range of f32.
 const LARGEST: f64 = 1e18;
 
@@ -92,7 +95,7 @@ impl MeshTree {
             .par_iter()
             .map(|&i| Bounds::of_points(mesh.corners(i).map(Vec3::as_dvec3)))
             .collect();
-        let (tree, order) = Tree::build(&boxes);
+        let (tree, order) = Tree::build(&boxes, TRIANGLES);
         let center = tree.center;
         let triangles: Vec<Triangle> = order
             .par_iter()

@@ -78,7 +78,7 @@ impl Accel {
             always.sort_unstable();
         }
         let tree = (!bounded.is_empty()).then(|| {
-            let (tree, order) = Tree::build(&boxes);
+            let (tree, order) = Tree::build(&boxes, 1);
             let order = order.into_iter().map(|i| bounded[i as usize]).collect();
             (tree, order)
         });

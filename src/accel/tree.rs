@@ -28,9 +28,9 @@ struct Node {
 }
 
 impl Tree {
-    /// Builds over `bounds`, at least one, all finite. Returns the leaf order as well:
+    /// Builds over `bounds`, at least one, all finite, at most `leaf` of them in a leaf. Returns the leaf order as well:
     /// position in the leaves to index in `bounds`.
-    pub(super) fn build(bounds: &[Bounds]) -> (Self, Vec<u32>) {
+    pub(super) fn build(bounds: &[Bounds], leaf: u32) -> (Self, Vec<u32>) {
         let whole = bounds.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let center = exact_center(&whole);
         let boxes: Vec<Aabb> = bounds
@@ -44,7 +44,7 @@ impl Tree {
                 Aabb::new(min.into(), max.into())
             })
             .collect();
-        let topology = build::build(&boxes);
+        let topology = build::build(&boxes, leaf);
         let mut nodes = vec![
             Node {
                 planes: [[[0.0; 2]; 2]; 3],

@@ -7,6 +7,7 @@ mod bsdf;
 mod cli;
 mod closed;
 mod csg;
+mod csg_info;
 mod csg_light;
 mod csg_scene;
 mod embree;

@@ -154,23 +154,12 @@ impl Leaf {
         mut emit: impl FnMut(Event),
     ) {
         let local = self.local_ray(map, ray);
-        let distance = local.origin.length();
-        let near = ray.origin.abs() + self.origin.abs();
-        let reach = |t: f64| {
-            if t.is_finite() {
-                ray.at(t).abs()
-            } else {
-                DVec3::ZERO
-            }
-        };
-        // Within `chord`, the distance to the operand's next crossing: a shallower one is as good as none.
-        let certain = |t: f64, moved: DVec3, n: DVec3, chord: f64| {
-            let off = form.uncertainty(moved, distance, n);
-            if t.is_finite() {
-                (off / n.dot(local.direction).abs()).min(chord)
-            } else {
-                0.0
-            }
+        let certainty = Certainty {
+            leaf: self,
+            form,
+            inverse: &map.inverse,
+            ray,
+            local: &local,
         };
         match &form.kind {
             Kind::Solid(solid) => {
@@ -179,14 +168,13 @@ impl Leaf {
                     if span.exit.t + chord < ray.tmin {
                         continue;
                     }
-                    let far = reach(span.enter.t).max(reach(span.exit.t));
-                    let moved = moved(&map.inverse, near + far);
+                    let moved = certainty.moved(span.enter.t, span.exit.t);
                     for (crossing, enter) in [(span.enter, true), (span.exit, false)] {
                         let Crossing { t, face } = crossing;
                         let n = solid.normal(local.at(t), face);
                         emit(Event {
                             t,
-                            dt: certain(t, moved, n, chord),
+                            dt: certainty.dt(t, moved, n, chord),
                             leaf: position,
                             face,
                             enter,
@@ -195,17 +183,17 @@ impl Leaf {
                 }
             }
             Kind::Mesh(mesh) => winding_events(mesh, &local, |crossing, enter, chord| {
-                let moved = moved(&map.inverse, near + reach(crossing.t));
+                let moved = certainty.moved(crossing.t, crossing.t);
                 emit(Event {
                     t: crossing.t,
-                    dt: certain(crossing.t, moved, crossing.n.normalize(), chord),
+                    dt: certainty.dt(crossing.t, moved, crossing.n.normalize(), chord),
                     leaf: position,
                     face: crossing.primitive,
                     enter,
                 });
             }),
             Kind::OpenMesh(mesh) => {
-                let off = form.rounding() * (form.size + distance);
+                let off = form.uncertainty(DVec3::ZERO, local.origin.length(), DVec3::ZERO);
                 let dt = off / local.direction.length();
                 let event = |t: f64, face: u32, enter: bool| Event {
                     t,
@@ -236,6 +224,40 @@ impl Leaf {
             Kind::Mesh(mesh) => mesh.winding(local) > 0,
             Kind::OpenMesh(mesh) => mesh.contains(local),
         }
+    }
+}
+
+/// How surely a ray's crossings with a leaf are where they are.
+struct Certainty<'a> {
+    leaf: &'a Leaf,
+    form: &'a Form,
+    inverse: &'a DMat3,
+    ray: &'a Ray,
+    local: &'a Ray,
+}
+
+impl Certainty<'_> {
+    /// For crossings at both ends of a span: see [`moved`].
+    fn moved(&self, enter: f64, exit: f64) -> DVec3 {
+        let reach = |t: f64| {
+            if t.is_finite() {
+                self.ray.at(t).abs()
+            } else {
+                DVec3::ZERO
+            }
+        };
+        let near = self.ray.origin.abs() + self.leaf.origin.abs();
+        moved(self.inverse, near + reach(enter).max(reach(exit)))
+    }
+
+    /// How far off along the ray the crossing at `t` may be: at most `chord`, the distance to the operand's next one,
+    /// because a shallower span is as good as none.
+    fn dt(&self, t: f64, moved: DVec3, n: DVec3, chord: f64) -> f64 {
+        if t.is_infinite() {
+            return 0.0;
+        }
+        let off = (self.form).uncertainty(moved, self.local.origin.length(), n);
+        (off / n.dot(self.local.direction).abs()).min(chord)
     }
 }
 

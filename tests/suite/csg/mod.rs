@@ -12,6 +12,7 @@ mod lattice;
 mod laws;
 mod meshes;
 mod nests;
+mod open_meshes;
 pub mod oracle;
 mod random;
 mod rims;
