@@ -122,7 +122,7 @@ impl CsgTree {
         let (tree, order) = if boxes.is_empty() {
             (None, Vec::new())
         } else {
-            let (tree, order) = Tree::build(&boxes, 1);
+            let (tree, order) = Tree::build(&boxes, 2);
             (Some(tree), order)
         };
         let in_order = order.iter().map(|&i| bounded[i as usize]);
