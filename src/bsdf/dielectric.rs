@@ -75,6 +75,9 @@ mod tests {
         );
         assert!((r - 0.5 * perpendicular).abs() < 1e-6);
         assert_eq!(cos_refracted(0.5, 1.0 / 1.5), None);
+        for fresnel in [Fresnel::Exact, Fresnel::Schlick] {
+            assert_eq!(reflectance(1e-3, 1e-3, 1.0, fresnel), 0.0, "no boundary");
+        }
     }
 
     #[test]
