@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use crate::math::{Bounds, Ray, Transform};
 
-use super::csg::{CsgTree, mesh_trees};
+use super::csg::{CsgTree, ROUNDING, mesh_trees};
 use super::mesh::{MeshReport, MeshTree};
 use super::ray::TreeRay;
 use super::tree::Tree;
@@ -298,9 +298,6 @@ const FEW: usize = 4;
 
 /// How many times its uncertainty a CSG surface is left behind.
 const MARGIN: f64 = 32.0;
-
-/// Of taking a point to world space and back.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Far above the relative rounding of a few f64 operations, far below what can be seen.
 const ERROR: f64 = 1.0 / (1_u64 << 40) as f64;

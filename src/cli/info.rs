@@ -7,7 +7,7 @@ use crate::geometry::{Shape, Solid};
 use crate::scene::Scene;
 use crate::world::World;
 
-use super::{InputArgs, csgs, grouped, size_text, warn};
+use super::{InputArgs, csg_name, csgs, grouped, size_text, warn};
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
@@ -61,10 +61,10 @@ impl Summary {
         let meshes = shapes().filter(|s| matches!(s, Shape::Mesh(_))).count();
         let csg_instances = shapes().filter(|s| matches!(s, Shape::Csg(_))).count();
         let bounds = world.bounds();
-        let csgs = csgs(scene).map(|(name, id)| {
+        let csgs = csgs(scene).map(|id| {
             let csg = world.csg(id);
             CsgSummary {
-                name,
+                name: csg_name(scene, id),
                 report: csg.report(),
                 coincident: csg.coincident_faces(),
                 empty: csg.bounds().is_empty(),

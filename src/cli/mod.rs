@@ -79,8 +79,9 @@ impl InputArgs {
                 grouped(report.duplicate as u64)
             );
         }
-        for (name, id) in csgs(world.scene()) {
+        for id in csgs(world.scene()) {
             if world.csg(id).bounds().is_empty() {
+                let name = csg_name(world.scene(), id);
                 eprintln!("warning: nothing is left of the CSG object {name}");
             }
         }
@@ -88,17 +89,19 @@ impl InputArgs {
     }
 }
 
-/// The scene's CSG objects, each with the name of the first instance that places it, or else its number.
-fn csgs(scene: &Scene) -> impl Iterator<Item = (String, CsgId)> {
-    (0..scene.csgs.len() as u32).map(CsgId).map(|id| {
-        let mut users = (scene.instances.iter()).filter(move |i| i.shape == Shape::Csg(id));
-        let name = users.find_map(|instance| instance.name.as_deref());
-        let name = name.map_or_else(
-            || format!("number {}", id.0 + 1),
-            |name| format!("`{name}`"),
-        );
-        (name, id)
-    })
+/// The scene's CSG objects.
+fn csgs(scene: &Scene) -> impl Iterator<Item = CsgId> {
+    (0..scene.csgs.len() as u32).map(CsgId)
+}
+
+/// The name of the first named instance that places a CSG object, or else its number.
+fn csg_name(scene: &Scene, id: CsgId) -> String {
+    let mut users = (scene.instances.iter()).filter(|i| i.shape == Shape::Csg(id));
+    let name = users.find_map(|instance| instance.name.as_deref());
+    name.map_or_else(
+        || format!("number {}", id.0 + 1),
+        |name| format!("`{name}`"),
+    )
 }
 
 /// Exit code of a run that Ctrl-C ended.

@@ -92,6 +92,19 @@ fn faces_coincide_only_where_they_lie_in_one_surface_and_meet() {
             "Union(of: [Sphere(center: (1, 2, 3), radius: 2), Sphere(radius: 1, transform: [Scale((2, 2, 2)), Translate((1, 2, 3))])])",
             1,
         ),
+        // The same, a million times smaller and far larger.
+        (
+            "Union(of: [Box(size: (1e-6, 1e-6, 1e-6)), Box(center: (1e-6, 0, 0), size: (1e-6, 5e-7, 5e-7))])",
+            1,
+        ),
+        (
+            "Union(of: [Box(size: (1e-6, 1e-6, 1e-6)), Box(center: (1.001e-6, 0, 0), size: (1e-6, 5e-7, 5e-7))])",
+            0,
+        ),
+        (
+            "Union(of: [Box(size: (1e6, 1e6, 1e6)), Box(center: (1e6, 0, 0), size: (1e6, 5e5, 5e5))])",
+            1,
+        ),
         // A half-space through a box's face.
         (
             "Intersection(of: [Box(size: (2, 2, 2)), Plane(point: (5, 1, 0), normal: (0, 1, 0))])",

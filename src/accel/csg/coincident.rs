@@ -20,7 +20,7 @@ struct Face {
     leaf: u32,
 }
 
-/// Numbers that differ by less, in units of the object's size, are equal.
+/// Numbers that differ by less, in units of the object's size or of themselves, are equal.
 const SAME: f64 = 1e-9;
 /// Enough for any object that a person made; a million copies side by side are not worth counting.
 const MOST: usize = 10_000_000;
@@ -37,17 +37,17 @@ impl CsgTree {
         faces.sort_by(|a, b| a.rank.total_cmp(&b.rank));
         let size = (faces.iter().map(|f| f.bounds).filter(Bounds::is_finite))
             .flat_map(|b| [b.min.abs().max_element(), b.max.abs().max_element()])
-            .fold(1.0, f64::max);
-        let same = SAME * size;
+            .fold(0.0, f64::max);
         let (mut pairs, mut compared) = (0, 0);
         for (i, a) in faces.iter().enumerate() {
             for b in &faces[i + 1..] {
                 compared += 1;
-                if b.rank - a.rank > 16.0 * same || compared > MOST {
+                if b.rank - a.rank > 16.0 * SAME * size.max(1.0) || compared > MOST {
                     break;
                 }
-                let equal = (a.numbers.iter().zip(&b.numbers)).all(|(a, b)| (a - b).abs() <= same);
-                pairs += usize::from(a.leaf != b.leaf && a.kind == b.kind && equal && meet(a, b));
+                let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME * size.max(a.abs());
+                let one_surface = a.kind == b.kind && a.numbers.iter().zip(&b.numbers).all(same);
+                pairs += usize::from(a.leaf != b.leaf && one_surface && meet(a, b, SAME * size));
             }
         }
         pairs
@@ -111,11 +111,11 @@ impl CsgTree {
     }
 }
 
-/// Whether the boxes share more than an edge.
-fn meet(a: &Face, b: &Face) -> bool {
+/// Whether the boxes share more than an edge, to within `same`.
+fn meet(a: &Face, b: &Face, same: f64) -> bool {
     let mut shared = a.bounds.intersection(b.bounds).size().to_array();
     shared.sort_by(f64::total_cmp);
-    shared[0] >= -SAME && shared[1] > SAME
+    shared[0] >= -same && shared[1] > same
 }
 
 /// Of `v` and `-v` always the same one.

@@ -22,6 +22,7 @@ use super::tree::Tree;
 use super::winding::{APPROXIMATION, WindingNumber};
 use flatten::{Formula, Literal, Operator};
 pub use operand::HOLE;
+pub(super) use operand::ROUNDING;
 use operand::{Form, Kind, Leaf, moved};
 
 /// A CSG object made ready for rays and points, in its own space.

@@ -69,7 +69,7 @@ const BESIDE: f64 = 1024.0 * f64::EPSILON;
 
 /// Solids find their crossings this close to a face, in units of their size and the distance to the ray's origin
 /// ([`Solid::spans`]); transforming the ray costs less, in units of the coordinates.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+pub(in crate::accel) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Form {
     pub(super) fn new(kind: Kind) -> Self {
