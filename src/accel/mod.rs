@@ -7,6 +7,7 @@
 mod build;
 mod csg;
 mod mesh;
+mod options;
 mod ray;
 mod scene;
 mod tree;
@@ -24,4 +25,5 @@ mod meshes;
 
 pub use csg::{CsgCrossing, CsgReport, CsgTree, HOLE};
 pub use mesh::MeshReport;
+pub use options::{AccelOptions, Kernel, Quality};
 pub use scene::{Accel, Hit, Placed};

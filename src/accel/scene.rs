@@ -9,6 +9,7 @@ use crate::math::{Bounds, Ray, Transform};
 
 use super::csg::{CsgTree, ROUNDING, mesh_trees};
 use super::mesh::{MeshReport, MeshTree};
+use super::options::AccelOptions;
 use super::ray::TreeRay;
 use super::tree::Tree;
 
@@ -59,6 +60,19 @@ impl Accel {
     /// # Errors
     /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole.
     pub fn build(meshes: &[Mesh], csgs: &[Csg], placed: Vec<Placed>) -> Result<Self> {
+        Self::build_with(meshes, csgs, placed, AccelOptions::default())
+    }
+
+    /// [`Accel::build`] in a way of one's own.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn build_with(
+        meshes: &[Mesh],
+        csgs: &[Csg],
+        placed: Vec<Placed>,
+        _options: AccelOptions,
+    ) -> Result<Self> {
         let meshes = mesh_trees(meshes, csgs)?;
         let csgs = (csgs.iter())
             .map(|csg| CsgTree::over(csg, &meshes))
@@ -210,6 +224,22 @@ impl Accel {
             }
         })
         .is_break()
+    }
+
+    /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
+    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len());
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.intersect(ray);
+        }
+    }
+
+    /// Whether each ray is blocked, as [`Accel::occluded`] says it, into `blocked` of the same length.
+    pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
+        assert_eq!(rays.len(), blocked.len());
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = self.occluded(ray);
+        }
     }
 
     fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {

@@ -39,10 +39,9 @@ struct Path {
     media: Media,
 }
 
-/// Light that arrives if nothing is in the way.
-struct ShadowRay {
+/// Light that arrives at the pixel sample `index` if nothing is in the way.
+struct Shadowed {
     index: usize,
-    ray: Ray,
     light: Rgb,
 }
 
@@ -62,7 +61,9 @@ impl Integrator for PathIntegrator {
             .collect();
         let mut rays: Vec<Ray> = batch.iter().map(|camera| camera.ray).collect();
         let mut hits = vec![None; rays.len()];
-        let mut shadows: Vec<ShadowRay> = Vec::new();
+        let mut shadows: Vec<Shadowed> = Vec::new();
+        let mut shadow_rays: Vec<Ray> = Vec::new();
+        let mut blocked = vec![false; rays.len()];
         let mut traced = 0;
         let most = self.max_depth.unwrap_or(LONGEST).min(LONGEST);
         for depth in 0..=most {
@@ -87,7 +88,8 @@ impl Integrator for PathIntegrator {
                     && let Some((ray, light)) = direct(world, &point, &bsdf, pick, Vec2::new(u, v))
                 {
                     let light = paths[i].beta * light;
-                    shadows.push(ShadowRay { index, ray, light });
+                    shadows.push(Shadowed { index, light });
+                    shadow_rays.push(ray);
                 }
                 if let Some(ray) = self.scatter(&mut paths[i], &point, &bsdf, wo, depth) {
                     let wi = ray.direction.as_vec3();
@@ -100,8 +102,11 @@ impl Integrator for PathIntegrator {
             paths.truncate(alive);
             rays.truncate(alive);
             traced += shadows.len() as u64;
-            for shadow in shadows.drain(..) {
-                if !world.occluded(&shadow.ray) {
+            let blocked = &mut blocked[..shadows.len()];
+            world.occluded_batch(&shadow_rays, blocked);
+            shadow_rays.clear();
+            for (shadow, blocked) in shadows.drain(..).zip(blocked) {
+                if !*blocked {
                     radiance[shadow.index] += shadow.light;
                 }
             }

@@ -101,10 +101,12 @@ impl World {
 
     /// The closest hit of each ray, into `hits` of the same length.
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        assert_eq!(rays.len(), hits.len());
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.intersect(ray);
-        }
+        self.accel.intersect_batch(rays, hits);
+    }
+
+    /// Whether each ray is blocked, into `blocked` of the same length.
+    pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
+        self.accel.occluded_batch(rays, blocked);
     }
 
     /// The instance that was hit.
