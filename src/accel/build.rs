@@ -3,13 +3,70 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+
+use super::options::Quality;
 
 /// Good trees in time linear in the input. Pre-splits are off: they gain nothing on scans.
-const fn params(leaf: u32) -> BvhBuildParams {
+const fn params(quality: Quality, leaf: u32) -> BvhBuildParams {
+    let preset = match quality {
+        Quality::Fast => BvhBuildParams::fastest_build(),
+        Quality::Balanced => BvhBuildParams::medium_build(),
+        Quality::Best => BvhBuildParams::very_slow_build(),
+    };
     BvhBuildParams {
         pre_split: false,
         max_prims_per_leaf: leaf,
-        ..BvhBuildParams::medium_build()
+        ..preset
+    }
+}
+
+/// Builds a binary tree with one primitive a leaf over `boxes`, at least one, all finite, and makes `T` of it; of another one where
+/// the tree is too deep for that.
+pub(super) fn binary<T>(boxes: &[Aabb], quality: Quality, make: impl Fn(&Bvh2) -> Option<T>) -> T {
+    let bvh = build_bvh2(
+        boxes,
+        params(quality, 1),
+        &mut std::time::Duration::default(),
+    );
+    make(&bvh).unwrap_or_else(|| make(&halved(boxes)).expect("depth log2(n)"))
+}
+
+/// Halves the primitives at the median of the widest axis of their centres: not the fastest rays, but depth log2(n)
+/// whatever the input.
+fn halved(boxes: &[Aabb]) -> Bvh2 {
+    let center = |i: u32| boxes[i as usize].min + boxes[i as usize].max;
+    let around =
+        |part: &[u32]| (part.iter()).fold(Aabb::INVALID, |sum, &i| sum.union(&boxes[i as usize]));
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let mut nodes = vec![Bvh2Node::new(around(&order), 0, 0)];
+    let mut todo = vec![(0, order.len(), 0)];
+    while let Some((start, len, node)) = todo.pop() {
+        if len == 1 {
+            nodes[node] = Bvh2Node::new(*nodes[node].aabb(), 1, start as u32);
+            continue;
+        }
+        let part = &mut order[start..start + len];
+        let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        for &i in part.iter() {
+            low = low.min(center(i));
+            high = high.max(center(i));
+        }
+        let axis = (high - low).max_position();
+        let half = len / 2;
+        part.select_nth_unstable_by(half, |&a, &b| {
+            center(a)[axis].total_cmp(&center(b)[axis]).then(a.cmp(&b))
+        });
+        nodes[node].first_index = nodes.len() as u32;
+        for (offset, part) in [(0, &part[..half]), (half, &part[half..])] {
+            todo.push((start + offset, part.len(), nodes.len()));
+            nodes.push(Bvh2Node::new(around(part), 0, 0));
+        }
+    }
+    Bvh2 {
+        nodes,
+        primitive_indices: order,
+        ..Bvh2::default()
     }
 }
 
@@ -44,8 +101,14 @@ pub(super) fn build(boxes: &[Aabb], leaf: u32) -> Topology {
             order: vec![0],
         };
     }
-    let bvh = build_bvh2(boxes, params(leaf), &mut std::time::Duration::default());
-    from_obvhs(&bvh).unwrap_or_else(|| balanced(boxes))
+    let bvh = build_bvh2(
+        boxes,
+        params(Quality::Balanced, leaf),
+        &mut std::time::Duration::default(),
+    );
+    from_obvhs(&bvh)
+        .or_else(|| from_obvhs(&halved(boxes)))
+        .expect("depth log2(n)")
 }
 
 /// Renumbers obvhs's nodes depth first; `None` where the tree is deeper than [`MAX_DEPTH`].
@@ -87,54 +150,6 @@ fn from_obvhs(bvh: &Bvh2) -> Option<Topology> {
         children,
         order: bvh.primitive_indices.clone(),
     })
-}
-
-/// Halves the primitives at the median of the widest axis of their centres: not the fastest rays,
-/// but depth log2(n) whatever the input.
-fn balanced(boxes: &[Aabb]) -> Topology {
-    const LEAF: usize = 4;
-    let center = |i: u32| boxes[i as usize].min + boxes[i as usize].max;
-    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-    let mut children: Vec<[Link; 2]> = Vec::new();
-    let whole = |first: usize, len: usize| Link {
-        first: first as u32,
-        count: if len <= LEAF { len as u32 } else { 0 },
-    };
-    let root = whole(0, order.len());
-    if root.count == 0 {
-        children.push([root; 2]);
-        let mut todo = vec![(0_usize, order.len(), 0_usize)];
-        while let Some((start, len, node)) = todo.pop() {
-            let part = &mut order[start..start + len];
-            let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-            for &i in part.iter() {
-                low = low.min(center(i));
-                high = high.max(center(i));
-            }
-            let axis = (high - low).max_position();
-            let half = len / 2;
-            part.select_nth_unstable_by(half, |&a, &b| {
-                center(a)[axis].total_cmp(&center(b)[axis]).then(a.cmp(&b))
-            });
-            for (side, (first, count)) in [(start, half), (start + half, len - half)]
-                .into_iter()
-                .enumerate()
-            {
-                let mut child = whole(first, count);
-                if child.count == 0 {
-                    child.first = children.len() as u32;
-                    children.push([child; 2]);
-                    todo.push((first, count, child.first as usize));
-                }
-                children[node][side] = child;
-            }
-        }
-    }
-    Topology {
-        children,
-        root,
-        order,
-    }
 }
 
 #[cfg(test)]

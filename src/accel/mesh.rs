@@ -1,15 +1,22 @@
-use std::ops::{ControlFlow, Range};
+mod batch;
 
-use glam::{DVec2, DVec3, Vec3};
+use std::ops::ControlFlow;
+
+use glam::{DVec2, DVec3, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::Mesh;
 use crate::math::{Bounds, Ray};
 
+use super::options::AccelOptions;
 use super::ray::TreeRay;
-use super::tree::Tree;
+use super::tree::exact_center;
 use super::triangle::{Triangle, TriangleHit};
+use super::wide::{Block, Kernel, LANES, Task, Walk, WideTree};
+
+pub(super) use batch::Rays;
 
 /// What building a mesh's tree found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,16 +47,17 @@ pub(super) struct MeshCrossing {
 /// A tree over a mesh's triangles.
 #[derive(Debug)]
 pub(super) struct MeshTree {
-    pub tree: Tree,
-    triangles: Vec<Triangle>,
+    tree: WideTree,
+    leaves: Vec<Block>,
+    /// Corners are stored relative to this point.
+    pub center: DVec3,
+    /// The largest coordinate from there.
+    pub extent: f32,
     pub bounds: Bounds,
     pub report: MeshReport,
     /// Triangles left out, ascending.
     pub dropped: Vec<u32>,
 }
-
-/// A box costs as much as a few triangles.
-const TRIANGLES: u32 = 4;
 
 /// Squares of distances beyond this leave the range of f32.
 const LARGEST: f64 = 1e18;
@@ -59,8 +67,8 @@ impl MeshTree {
     ///
     /// # Errors
     /// Where no triangle has an area, or coordinates lie beyond ±1e18.
-    pub(super) fn build(mesh: &Mesh) -> Result<Self> {
-        Self::over(mesh, distinct)
+    pub(super) fn build(mesh: &Mesh, options: AccelOptions) -> Result<Self> {
+        Self::over(mesh, options, distinct)
     }
 
     /// For all crossings along a ray: only triangles with two equal corners are left out, because without others a
@@ -68,12 +76,16 @@ impl MeshTree {
     ///
     /// # Errors
     /// Where all triangles are left out, or coordinates lie beyond ±1e18.
-    pub(super) fn build_operand(mesh: &Mesh) -> Result<Self> {
-        Self::over(mesh, cornered)
+    pub(super) fn build_operand(mesh: &Mesh, options: AccelOptions) -> Result<Self> {
+        Self::over(mesh, options, cornered)
     }
 
     /// Over the triangles that `choose` names, in order.
-    fn over(mesh: &Mesh, choose: impl Fn(&Mesh) -> (Vec<u32>, MeshReport)) -> Result<Self> {
+    fn over(
+        mesh: &Mesh,
+        options: AccelOptions,
+        choose: impl Fn(&Mesh) -> (Vec<u32>, MeshReport),
+    ) -> Result<Self> {
         mesh.validate()?;
         let bounds = mesh.bounds();
         if bounds.min.abs().max(bounds.max.abs()).max_element() > LARGEST {
@@ -91,28 +103,36 @@ impl MeshTree {
             ))
             .help("check that the model's vertices are not all in one place or on one line"));
         }
-        let boxes: Vec<Bounds> = kept
+        let center = exact_center(&bounds);
+        let local = |p: Vec3| (p.as_dvec3() - center).as_vec3();
+        let boxes: Vec<Aabb> = kept
             .par_iter()
-            .map(|&i| Bounds::of_points(mesh.corners(i).map(Vec3::as_dvec3)))
+            .map(|&i| Aabb::from_points(&mesh.corners(i).map(|p| local(p).into())))
             .collect();
-        let (tree, order) = Tree::build(&boxes, TRIANGLES);
-        let center = tree.center;
-        let triangles: Vec<Triangle> = order
-            .par_iter()
-            .map(|&position| {
-                let primitive = kept[position as usize];
-                Triangle {
-                    corners: mesh
-                        .corners(primitive)
-                        .map(|p| (p.as_dvec3() - center).as_vec3()),
-                    primitive,
-                }
+        let (tree, order) = WideTree::build(&boxes, LANES as u32, options);
+        let extent = (boxes.par_iter())
+            .map(|b| b.min.abs().max(b.max.abs()))
+            .reduce(|| Vec3A::ZERO, Vec3A::max)
+            .max_element();
+        drop(boxes);
+        let leaves: Vec<Block> = (order.starts.par_windows(2))
+            .map(|leaf| {
+                let positions = &order.order[leaf[0] as usize..leaf[1] as usize];
+                Block::new(positions.iter().map(|&position| {
+                    let primitive = kept[position as usize];
+                    Triangle {
+                        corners: mesh.corners(primitive).map(local),
+                        primitive,
+                    }
+                }))
             })
             .collect();
-        report.bytes = tree.bytes() + size_of_val(triangles.as_slice());
+        report.bytes = tree.bytes() + size_of_val(leaves.as_slice());
         Ok(Self {
             tree,
-            triangles,
+            leaves,
+            center,
+            extent,
             bounds,
             report,
             dropped: (0..mesh.triangles.len() as u32)
@@ -121,84 +141,73 @@ impl MeshTree {
         })
     }
 
-    /// The closest hit in `ray.tmin..ray.tmax`; of equal `t` the lowest primitive, whatever the tree
-    /// looks like.
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<(TriangleHit, u32)> {
-        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let start = local.box_start(ray.tmin);
-        let mut limit = ray.tmax;
-        let mut best: Option<(TriangleHit, u32)> = None;
-        let _ = self
-            .tree
-            .traverse(&local, start, local.box_limit(limit), |leaf| {
-                for triangle in self.leaf(leaf) {
-                    let Some(hit) = triangle.intersect(&local) else {
-                        continue;
-                    };
-                    let tie = best.is_some_and(|(b, id)| hit.t == b.t && triangle.primitive < id);
-                    if hit.t > ray.tmin && (hit.t < limit || tie) {
-                        limit = hit.t;
-                        best = Some((hit, triangle.primitive));
-                    }
-                }
-                ControlFlow::Continue(local.box_limit(limit))
-            });
-        best
+    /// The closest hit in `ray.tmin..tmax`; of equal `t` the lowest primitive, whatever the tree looks like.
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray, tmax: f64) -> Option<(TriangleHit, u32)> {
+        let task = Closest {
+            mesh: self,
+            ray,
+            tmax,
+        };
+        if self.fits_kernels(ray) {
+            self.tree.run(task)
+        } else {
+            self.tree.run_portable(task)
+        }
     }
 
     /// Whether any triangle lies in `ray.tmin..ray.tmax`.
+    #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
-        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let limit = local.box_limit(ray.tmax);
-        (self.tree)
-            .traverse(&local, local.box_start(ray.tmin), limit, |leaf| {
-                let blocked = (self.leaf(leaf).iter())
-                    .filter_map(|triangle| triangle.intersect(&local))
-                    .any(|hit| hit.t > ray.tmin && hit.t < ray.tmax);
-                if blocked {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(limit)
-                }
-            })
-            .is_break()
+        let task = Any { mesh: self, ray };
+        if self.fits_kernels(ray) {
+            self.tree.run(task)
+        } else {
+            self.tree.run_portable(task)
+        }
     }
 
     /// Every crossing with `t > ray.tmin`, in no order. A closed mesh is entered as often as it is left along a whole
     /// line, and in order of `t` the count tells how often the mesh winds around the points between.
     pub(super) fn crossings(&self, ray: &Ray, mut visit: impl FnMut(MeshCrossing)) {
-        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let start = local.box_start(ray.tmin);
-        let _ = (self.tree).traverse(&local, start, f32::INFINITY, |leaf| {
-            for triangle in self.leaf(leaf) {
-                if let Some(hit) = triangle.crossing(&local)
-                    && hit.t > ray.tmin
-                {
-                    visit(MeshCrossing {
-                        t: hit.t,
-                        primitive: triangle.primitive,
-                        enter: !hit.inside,
-                        n: triangle.normal(),
-                    });
+        let local = TreeRay::new(ray, self.center, self.extent);
+        let exact = local.exact(ray, self.center);
+        self.tree.run_portable(Visit {
+            local: &local,
+            start: local.box_start(ray.tmin),
+            end: f32::INFINITY,
+            at_leaf: |leaf: u32| {
+                for triangle in self.leaves[leaf as usize].triangles() {
+                    if let Some(hit) = triangle.crossing(&local, &exact)
+                        && hit.t > ray.tmin
+                    {
+                        visit(MeshCrossing {
+                            t: hit.t,
+                            primitive: triangle.primitive,
+                            enter: !hit.inside,
+                            n: triangle.normal(),
+                        });
+                    }
                 }
-            }
-            ControlFlow::Continue(f32::INFINITY)
+            },
         });
     }
 
     /// Barycentric weights of the second and third corner of `primitive`, which `ray` crosses at `t`.
     pub(super) fn barycentric(&self, ray: &Ray, t: f64, primitive: u32) -> DVec2 {
-        let local = TreeRay::new(ray, self.tree.center, self.tree.extent);
-        let (start, end) = (local.box_start(t), local.box_limit(t));
+        let local = TreeRay::new(ray, self.center, self.extent);
+        let exact = local.exact(ray, self.center);
         let mut weights = DVec2::splat(1.0 / 3.0);
-        let _ = self.tree.traverse(&local, start, end, |leaf| {
-            match (self.leaf(leaf).iter()).find(|triangle| triangle.primitive == primitive) {
-                Some(triangle) => {
-                    weights = triangle.weights(&local);
-                    ControlFlow::Break(())
+        self.tree.run_portable(Visit {
+            local: &local,
+            start: local.box_start(t),
+            end: local.box_limit(t),
+            at_leaf: |leaf: u32| {
+                let mut triangles = self.leaves[leaf as usize].triangles();
+                if let Some(triangle) = triangles.find(|triangle| triangle.primitive == primitive) {
+                    weights = triangle.weights(&local, &exact);
                 }
-                None => ControlFlow::Continue(end),
-            }
+            },
         });
         weights
     }
@@ -212,10 +221,129 @@ impl MeshTree {
         winding
     }
 
-    /// The triangles of a leaf.
-    pub(super) fn leaf(&self, positions: Range<u32>) -> &[Triangle] {
-        &self.triangles[positions.start as usize..positions.end as usize]
+    /// Whether kernels may walk with the f32 parts of a ray: no operation on them overflows, and distances are at
+    /// least 0, so that their bits order them.
+    #[inline]
+    fn fits_kernels(&self, ray: &Ray) -> bool {
+        ray.tmin >= 0.0 && (ray.origin - self.center).abs().max_element() < LARGEST
     }
+
+    /// All triangles, in the order of the leaves.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = Triangle> + '_ {
+        self.leaves.iter().flat_map(Block::triangles)
+    }
+}
+
+/// [`MeshTree::intersect`] for one ray.
+struct Closest<'a> {
+    mesh: &'a MeshTree,
+    ray: &'a Ray,
+    tmax: f64,
+}
+
+impl Task for Closest<'_> {
+    type Output = Option<(TriangleHit, u32)>;
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
+        let Self { mesh, ray, tmax } = self;
+        let local = TreeRay::new(ray, mesh.center, mesh.extent);
+        let (start, end) = (local.box_start(ray.tmin), local.box_limit(tmax));
+        let mut limit = tmax;
+        let mut end_now = end;
+        let mut best: Option<(TriangleHit, u32)> = None;
+        let corners = kernel.corners(&local, start);
+        let _ = {
+            walk.traverse(kernel, &local, start, end, |leaf| {
+                let block = &mesh.leaves[leaf as usize];
+                for lane in ones(kernel.candidates(block, &corners, end_now)) {
+                    let Some(hit) = Triangle::intersect(
+                        &local.exact(ray, mesh.center),
+                        block.corners_along(lane, local.axes),
+                    ) else {
+                        continue;
+                    };
+                    let primitive = block.primitives[lane];
+                    let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
+                    if hit.t > ray.tmin && (hit.t < limit || tie) {
+                        limit = hit.t;
+                        end_now = local.box_limit(limit);
+                        best = Some((hit, primitive));
+                    }
+                }
+                ControlFlow::Continue(end_now)
+            })
+        };
+        best
+    }
+}
+
+/// [`MeshTree::occluded`] for one ray.
+struct Any<'a> {
+    mesh: &'a MeshTree,
+    ray: &'a Ray,
+}
+
+impl Task for Any<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> bool {
+        let Self { mesh, ray } = self;
+        let local = TreeRay::new(ray, mesh.center, mesh.extent);
+        let (start, end) = (local.box_start(ray.tmin), local.box_limit(ray.tmax));
+        let corners = kernel.corners(&local, start);
+        let outcome = {
+            walk.traverse(kernel, &local, start, end, |leaf| {
+                let block = &mesh.leaves[leaf as usize];
+                for lane in ones(kernel.candidates(block, &corners, end)) {
+                    let hit = Triangle::intersect(
+                        &local.exact(ray, mesh.center),
+                        block.corners_along(lane, local.axes),
+                    );
+                    if hit.is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax) {
+                        return ControlFlow::Break(());
+                    }
+                }
+                ControlFlow::Continue(end)
+            })
+        };
+        outcome.is_break()
+    }
+}
+
+/// Calls `visit` for every leaf whose box a ray meets.
+struct Visit<'a, F> {
+    local: &'a TreeRay,
+    start: f32,
+    end: f32,
+    at_leaf: F,
+}
+
+impl<F: FnMut(u32)> Task for Visit<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) {
+        let _ = {
+            walk.traverse(kernel, self.local, self.start, self.end, |leaf| {
+                (self.at_leaf)(leaf);
+                ControlFlow::Continue(self.end)
+            })
+        };
+    }
+}
+
+/// The places of the bits that are set.
+#[inline(always)]
+fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            lane & (LANES - 1)
+        })
+    })
 }
 
 /// The triangles with an area, the first of each set with equal corners, in order.

@@ -12,6 +12,12 @@ mod ray;
 mod scene;
 mod tree;
 mod triangle;
+#[allow(unsafe_code)]
+#[allow(
+    clippy::unused_self,
+    reason = "having a kernel proves that its instructions are there"
+)]
+mod wide;
 mod winding;
 
 #[cfg(test)]

@@ -1,85 +1,130 @@
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3A};
 
 use crate::math::Ray;
 
-/// A ray made ready for one tree, relative to the tree's centre, with everything that the box and
-/// triangle tests share.
+/// A ray made ready for one tree, relative to the tree's centre, in f32: what the box test needs, and the test that
+/// finds the triangles which [`ExactRay`] decides on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeRay {
-    /// Origin relative to the tree's centre.
-    pub origin: Vec3,
     /// For the box test: `t = plane * inverse - near` or `- far`, each widened outward by `slack`.
-    pub inverse: Vec3,
-    pub near: Vec3,
-    pub far: Vec3,
+    pub inverse: Vec3A,
+    pub near: Vec3A,
+    pub far: Vec3A,
     /// 1 where the direction is negative: which of a box's planes is the near one.
     pub sign: [usize; 3],
     /// Woop's permutation: the direction is longest along `axes[2]`.
     pub axes: [usize; 3],
+    /// Origin relative to the tree's centre, in the order of `axes`, as the next one is.
+    pub origin: [f32; 3],
     /// Woop's shear: direction components along `axes[0]` and `axes[1]` over the one along `axes[2]`.
     pub shear: [f32; 2],
     /// More than any rounding of a coordinate in the f32 tests: rounding the origin, subtracting it,
     /// and the shear cost less than 12 units of 2^-24 of the largest distance that matters.
     pub slack: f32,
-    /// The same in f64, for what f32 leaves in doubt.
-    pub exact_origin: DVec3,
-    pub exact_shear: [f64; 2],
-    /// The direction's component along `axes[2]`.
-    pub length: f64,
     /// A power of two: boxes and `inverse` use the direction over `unit`, so that f32 can hold it.
     pub unit: f64,
+    /// How far one unit of the box test goes along `axes[2]`: 1 to 2, or -1 to -2.
+    pub along: f32,
+}
+
+/// A ray relative to a tree's centre, in f64 and in the order of its axes: longest along the third.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExactRay {
+    pub origin: [f64; 3],
+    /// Direction components along the first two axes over the one along the third.
+    pub shear: [f64; 2],
+    /// The direction's component along the third axis.
+    pub length: f64,
 }
 
 const SLACK: f32 = 1.0 / (1 << 20) as f32;
 
 impl TreeRay {
     /// `extent` is the largest distance along an axis from `center` to what the tree holds.
+    #[inline(always)]
     pub(super) fn new(ray: &Ray, center: DVec3, extent: f32) -> Self {
-        let z = ray.direction.abs().max_position();
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let length = ray.direction[z];
-        let exact_shear = [
-            ray.direction[axes[0]] / length,
-            ray.direction[axes[1]] / length,
-        ];
-        let unit = exponent_of(length.abs());
-        let direction = (ray.direction / unit).as_vec3();
-        let exact_origin = ray.origin - center;
-        let origin = exact_origin.as_vec3();
-        let slack = SLACK * (origin.abs().max_element() + extent);
+        let size = ray.direction.abs();
+        // Without branches, which random rays would take at random.
+        let first = (size.x >= size.y) & (size.x >= size.z);
+        let second = !first & (size.y >= size.z);
+        let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1]][usize::from(first) + 2 * usize::from(second)];
+        let [x, y, z] = axes;
+        let unit = exponent_of(size.max_element());
+        let direction = (ray.direction * reciprocal(unit)).as_vec3a();
+        let from = (ray.origin - center).as_vec3a();
+        let slack = SLACK * (from.abs().max_element() + extent);
         // The longest component is now in 1..2. One below 2^-40 of it cannot leave the slack while the
         // ray is in the tree, and a bounded inverse keeps infinities out of the products.
         let inverse =
-            direction.abs().recip().min(Vec3::splat(2.0_f32.powi(40))) * direction.signum();
-        let outward = slack * direction.signum();
+            (direction.abs().recip().min(Vec3A::splat(2.0_f32.powi(40)))).copysign(direction);
+        let outward = Vec3A::splat(slack).copysign(direction);
+        let negative = direction.is_negative_bitmask() as usize;
+        let (origin, components) = (from.to_array(), direction.to_array());
+        let across = inverse.to_array()[z];
         Self {
-            origin,
             inverse,
-            near: (origin + outward) * inverse,
-            far: (origin - outward) * inverse,
-            sign: [0, 1, 2].map(|i| usize::from(direction[i].is_sign_negative())),
+            near: (from + outward) * inverse,
+            far: (from - outward) * inverse,
+            sign: [negative & 1, negative >> 1 & 1, negative >> 2 & 1],
             axes,
-            shear: exact_shear.map(|s| s as f32),
+            origin: [origin[x], origin[y], origin[z]],
+            shear: [components[x] * across, components[y] * across],
             slack,
-            exact_origin,
-            exact_shear,
-            length,
             unit,
+            along: components[z],
         }
     }
 
+    /// The ray itself, with which this was made.
+    #[inline(always)]
+    pub(super) fn exact(&self, ray: &Ray, center: DVec3) -> ExactRay {
+        let [x, y, z] = self.axes;
+        let (origin, direction) = ((ray.origin - center).to_array(), ray.direction.to_array());
+        ExactRay {
+            origin: [origin[x], origin[y], origin[z]],
+            shear: (DVec2::new(direction[x], direction[y]) / direction[z]).to_array(),
+            length: direction[z],
+        }
+    }
+
+    /// How far an f32 edge function of a triangle may be off, as `scale * size + least`, where no sheared coordinate
+    /// is beyond ±size: each is within `slack` of its true value, and products may underflow.
+    #[inline(always)]
+    pub(super) fn doubt(&self) -> (f32, f32) {
+        (
+            5.0 * self.slack,
+            2.0 * self.slack * self.slack + f32::MIN_POSITIVE,
+        )
+    }
+
     /// `t` of the caller's ray in the units of the box test, not below its true value.
+    #[inline(always)]
     pub(super) fn box_limit(&self, t: f64) -> f32 {
-        ((t * self.unit) as f32).next_up()
+        let t = t * self.unit;
+        (t + t.abs() * BOX_ROUNDING) as f32 + f32::MIN_POSITIVE
     }
 
     /// The same, not above its true value.
+    #[inline(always)]
     pub(super) fn box_start(&self, t: f64) -> f32 {
-        ((t * self.unit) as f32).next_down()
+        let t = t * self.unit;
+        (t - t.abs() * BOX_ROUNDING) as f32 - f32::MIN_POSITIVE
     }
 }
 
-/// The power of two at or below `x`, for x > 0; subnormal numbers count as the least normal one.
+/// More than what rounding to f32 changes.
+const BOX_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// The power of two at or below `x`, for x > 0, as far as it and its reciprocal are normal numbers; else the nearest
+/// such.
+#[inline(always)]
 fn exponent_of(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
+    let x = x.clamp(f64::MIN_POSITIVE, 0.25 / f64::MIN_POSITIVE);
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// `1 / x` for a power of two, both normal numbers.
+#[inline(always)]
+fn reciprocal(x: f64) -> f64 {
+    f64::from_bits(0x7fe0_0000_0000_0000 - x.to_bits())
 }

@@ -8,10 +8,11 @@ use crate::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use crate::math::{Bounds, Ray, Transform};
 
 use super::csg::{CsgTree, ROUNDING, mesh_trees};
-use super::mesh::{MeshReport, MeshTree};
+use super::mesh::{MeshReport, MeshTree, Rays};
 use super::options::AccelOptions;
 use super::ray::TreeRay;
 use super::tree::Tree;
+use super::triangle::TriangleHit;
 
 /// A shape in its place.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,8 @@ pub struct Accel {
     meshes: Vec<Arc<MeshTree>>,
     csgs: Vec<CsgTree>,
     placed: Vec<Placed>,
+    /// Whether each one's transform changes anything.
+    moved: Vec<bool>,
     /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
     tree: Option<(Tree, Vec<u32>)>,
     /// Those that every ray is tested with: planes, CSG objects that half-spaces leave open, and all of few shapes.
@@ -71,9 +74,9 @@ impl Accel {
         meshes: &[Mesh],
         csgs: &[Csg],
         placed: Vec<Placed>,
-        _options: AccelOptions,
+        options: AccelOptions,
     ) -> Result<Self> {
-        let meshes = mesh_trees(meshes, csgs)?;
+        let meshes = mesh_trees(meshes, csgs, options)?;
         let csgs = (csgs.iter())
             .map(|csg| CsgTree::over(csg, &meshes))
             .collect::<Result<Vec<_>>>()?;
@@ -100,6 +103,9 @@ impl Accel {
             bounds: boxes.into_iter().fold(Bounds::EMPTY, Bounds::union),
             meshes,
             csgs,
+            moved: (placed.iter())
+                .map(|p| !p.world_from_object.is_identity())
+                .collect(),
             placed,
             tree,
             always,
@@ -229,37 +235,86 @@ impl Accel {
     /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.intersect(ray);
+        if self.tree.is_some() {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = self.intersect(ray);
+            }
+            return;
+        }
+        hits.fill(None);
+        for &instance in &self.always {
+            if let Shape::Mesh(id) = self.placed[instance as usize].shape {
+                self.meshes[id.0 as usize].intersect_batch(&mut MeshRays {
+                    accel: self,
+                    instance,
+                    rays,
+                    next: 0,
+                    hits,
+                });
+                continue;
+            }
+            for (ray, hit) in rays.iter().zip(&mut *hits) {
+                let limit = hit.map_or(ray.tmax, |hit| hit.t);
+                *hit = self.intersect_one(instance, ray, limit).or(*hit);
+            }
         }
     }
 
     /// Whether each ray is blocked, as [`Accel::occluded`] says it, into `blocked` of the same length.
     pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len());
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = self.occluded(ray);
+        if self.tree.is_some() {
+            for (ray, blocked) in rays.iter().zip(blocked) {
+                *blocked = self.occluded(ray);
+            }
+            return;
+        }
+        blocked.fill(false);
+        for &instance in &self.always {
+            if let Shape::Mesh(id) = self.placed[instance as usize].shape {
+                self.meshes[id.0 as usize].occluded_batch(&mut ShadowRays {
+                    accel: self,
+                    instance,
+                    rays,
+                    next: 0,
+                    blocked,
+                });
+                continue;
+            }
+            for (ray, blocked) in rays.iter().zip(&mut *blocked) {
+                *blocked = *blocked || self.occludes(instance, ray);
+            }
+        }
+    }
+
+    /// `ray` in the space of `instance`.
+    #[inline]
+    fn local_ray(&self, instance: u32, ray: &Ray) -> Ray {
+        if self.moved[instance as usize] {
+            let placed = &self.placed[instance as usize];
+            placed.world_from_object.inverse_ray(ray)
+        } else {
+            *ray
         }
     }
 
     fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {
         let placed = &self.placed[instance as usize];
-        let local = placed.ray(ray, tmax);
+        let moved;
+        let local = if self.moved[instance as usize] {
+            moved = placed.world_from_object.inverse_ray(ray);
+            &moved
+        } else {
+            ray
+        };
+        let ending = || Ray { tmax, ..*local };
         match placed.shape {
             Shape::Mesh(id) => {
-                let (hit, primitive) = self.meshes[id.0 as usize].intersect(&local)?;
-                Some(Hit {
-                    t: hit.t,
-                    uv: Vec2::new(hit.u as f32, hit.v as f32),
-                    instance,
-                    primitive,
-                    face: 0,
-                    inside: hit.inside,
-                    negated: false,
-                })
+                let (hit, primitive) = self.meshes[id.0 as usize].intersect(local, tmax)?;
+                Some(Hit::of_triangle(&hit, primitive, instance))
             }
             Shape::Solid(solid) => {
-                let (crossing, inside) = solid.closest(&local)?;
+                let (crossing, inside) = solid.closest(&ending())?;
                 Some(Hit {
                     t: crossing.t,
                     uv: Vec2::ZERO,
@@ -272,10 +327,10 @@ impl Accel {
             }
             Shape::Csg(id) => {
                 let tree = self.csg(id);
-                let crossing = tree.intersect(&local)?;
+                let crossing = tree.intersect(&ending())?;
                 Some(Hit {
                     t: crossing.t,
-                    uv: tree.weights(&local, &crossing),
+                    uv: tree.weights(local, &crossing),
                     instance,
                     primitive: crossing.operand,
                     face: crossing.face,
@@ -288,11 +343,88 @@ impl Accel {
 
     fn occludes(&self, instance: u32, ray: &Ray) -> bool {
         let placed = &self.placed[instance as usize];
-        let local = placed.ray(ray, ray.tmax);
+        let moved;
+        let local = if self.moved[instance as usize] {
+            moved = placed.world_from_object.inverse_ray(ray);
+            &moved
+        } else {
+            ray
+        };
         match placed.shape {
-            Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(&local),
-            Shape::Solid(solid) => solid.closest(&local).is_some(),
-            Shape::Csg(id) => self.csg(id).occluded(&local),
+            Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(local),
+            Shape::Solid(solid) => solid.closest(local).is_some(),
+            Shape::Csg(id) => self.csg(id).occluded(local),
+        }
+    }
+}
+
+/// Rays on their way through a mesh, each up to the hit that it has.
+struct MeshRays<'a> {
+    accel: &'a Accel,
+    instance: u32,
+    rays: &'a [Ray],
+    next: usize,
+    hits: &'a mut [Option<Hit>],
+}
+
+impl Rays for MeshRays<'_> {
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, Ray)> {
+        let index = self.next;
+        let ray = self.rays.get(index)?;
+        self.next += 1;
+        let mut ray = self.accel.local_ray(self.instance, ray);
+        if let Some(hit) = &self.hits[index] {
+            ray.tmax = hit.t;
+        }
+        Some((index, ray))
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, index: usize, hit: TriangleHit, primitive: u32) {
+        self.hits[index] = Some(Hit::of_triangle(&hit, primitive, self.instance));
+    }
+}
+
+/// Rays of which is asked whether anything is in their way.
+struct ShadowRays<'a> {
+    accel: &'a Accel,
+    instance: u32,
+    rays: &'a [Ray],
+    next: usize,
+    blocked: &'a mut [bool],
+}
+
+impl Rays for ShadowRays<'_> {
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, Ray)> {
+        while *self.blocked.get(self.next)? {
+            self.next += 1;
+        }
+        let index = self.next;
+        self.next += 1;
+        Some((
+            index,
+            self.accel.local_ray(self.instance, &self.rays[index]),
+        ))
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, index: usize, _hit: TriangleHit, _primitive: u32) {
+        self.blocked[index] = true;
+    }
+}
+
+impl Hit {
+    fn of_triangle(hit: &TriangleHit, primitive: u32, instance: u32) -> Self {
+        Self {
+            t: hit.t,
+            uv: Vec2::new(hit.u as f32, hit.v as f32),
+            instance,
+            primitive,
+            face: 0,
+            inside: hit.inside,
+            negated: false,
         }
     }
 }
@@ -309,16 +441,6 @@ impl Placed {
             padded(&self.world_from_object.bounds(&bounds))
         } else {
             bounds
-        }
-    }
-
-    /// `ray` in object space, ending at `tmax`.
-    fn ray(&self, ray: &Ray, tmax: f64) -> Ray {
-        let ray = Ray { tmax, ..*ray };
-        if self.world_from_object.is_identity() {
-            ray
-        } else {
-            self.world_from_object.inverse_ray(&ray)
         }
     }
 }

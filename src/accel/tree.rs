@@ -189,7 +189,7 @@ impl Tree {
 /// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again.
 /// Where an axis lies far from 0 against its length that is its middle, by Sterbenz's lemma (within a
 /// factor of two, differences are exact); elsewhere 0, and coordinates are of the size of the box.
-fn exact_center(bounds: &Bounds) -> DVec3 {
+pub(super) fn exact_center(bounds: &Bounds) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| {
         let (min, max) = (bounds.min[axis], bounds.max[axis]);
         let middle = f64::from((0.5 * (min + max)) as f32);

@@ -1,6 +1,6 @@
-use glam::{DVec2, DVec3, Vec3, Vec3Swizzles};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3Swizzles};
 
-use super::ray::TreeRay;
+use super::ray::{ExactRay, TreeRay};
 
 /// A triangle's corners relative to its tree's centre, exact, with its index in the mesh.
 #[derive(Clone, Copy, Debug)]
@@ -38,37 +38,37 @@ impl Triangle {
     /// The test is that of Woop, Benthin and Wald 2013: corners are sheared into the ray's frame by operations that
     /// depend on the corner alone, and signs of edge functions are exact from there on, so triangles that share an
     /// edge or a corner leave no gap. f32 turns away what certainly misses; what is left is decided in f64.
-    #[inline]
-    pub(super) fn intersect(&self, ray: &TreeRay) -> Option<TriangleHit> {
-        if self.missed(ray) {
-            return None;
-        }
-        let view = self.view(ray);
-        let inside = view.edges.min_element() >= 0.0 || view.edges.max_element() <= 0.0;
+    ///
+    /// This is the part in f64, for corners whose axes are in the ray's order.
+    #[inline(always)]
+    pub(super) fn intersect(ray: &ExactRay, corners: [[f32; 3]; 3]) -> Option<TriangleHit> {
+        let view = View::new(ray, corners);
+        let DVec3 { x: u, y: v, z: w } = view.edges;
+        let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
         (inside && view.edges != DVec3::ZERO).then(|| view.hit(ray))
     }
 
     /// Where the ray goes through the triangle. Of the triangles around an edge or a corner that the ray hits exactly,
     /// those answer that a ray beside it, at no distance, would go through: along a whole line a closed mesh is
     /// entered as often as it is left.
-    pub(super) fn crossing(&self, ray: &TreeRay) -> Option<TriangleHit> {
+    pub(super) fn crossing(&self, ray: &TreeRay, exact: &ExactRay) -> Option<TriangleHit> {
         if self.missed(ray) {
             None
         } else {
-            self.decide_crossing(ray)
+            self.decide_crossing(ray, exact)
         }
     }
 
     /// [`Triangle::crossing`] without the filter.
-    pub(super) fn decide_crossing(&self, ray: &TreeRay) -> Option<TriangleHit> {
-        let view = self.view(ray);
-        view.crossed().then(|| view.hit(ray))
+    pub(super) fn decide_crossing(&self, ray: &TreeRay, exact: &ExactRay) -> Option<TriangleHit> {
+        let view = self.view(ray, exact);
+        view.crossed().then(|| view.hit(exact))
     }
 
     /// Barycentric weights of the second and third corner where the ray goes through the triangle; for a ray that
     /// misses it by a little, those of a point on its edge.
-    pub(super) fn weights(&self, ray: &TreeRay) -> DVec2 {
-        let edges = self.view(ray).edges;
+    pub(super) fn weights(&self, ray: &TreeRay, exact: &ExactRay) -> DVec2 {
+        let edges = self.view(ray, exact).edges;
         let facing = (edges * edges.element_sum().signum()).max(DVec3::ZERO);
         let det = facing.element_sum();
         if det > 0.0 {
@@ -86,45 +86,51 @@ impl Triangle {
 
     #[inline]
     fn missed(&self, ray: &TreeRay) -> bool {
-        let [x, y, z] = ray.axes;
-        let mut p = [Vec3::ZERO; 3];
+        let mut p = [Vec2::ZERO; 3];
         let mut size = 0.0_f32;
-        for (p, corner) in p.iter_mut().zip(&self.corners) {
-            let relative = *corner - ray.origin;
-            p.x = relative[x] - relative[z] * ray.shear[0];
-            p.y = relative[y] - relative[z] * ray.shear[1];
+        for (p, corner) in p.iter_mut().zip(self.seen_along(ray)) {
+            let z = corner[2] - ray.origin[2];
+            p.x = corner[0] - ray.origin[0] - z * ray.shear[0];
+            p.y = corner[1] - ray.origin[1] - z * ray.shear[1];
             size = size.max(p.x.abs()).max(p.y.abs());
         }
         let [a, b, c] = p;
-        let edge = |p: Vec3, q: Vec3| q.x * p.y - q.y * p.x;
+        let edge = |p: Vec2, q: Vec2| q.x * p.y - q.y * p.x;
         let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-        // Each coordinate is within `slack` of its true value (see `TreeRay`), and products may underflow.
-        let doubt = ray.slack * (5.0 * size + 2.0 * ray.slack) + f32::MIN_POSITIVE;
+        let (scale, least) = ray.doubt();
+        let doubt = scale * size + least;
         u.min(v).min(w) < -doubt && u.max(v).max(w) > doubt
     }
 
-    fn view(&self, ray: &TreeRay) -> View {
-        let [x, y, z] = ray.axes;
-        let seen = |x: f64| if x.abs() < TINY { 0.0 } else { x };
-        let corners = self.corners.map(|corner| {
-            let relative = corner.as_dvec3() - ray.exact_origin;
-            DVec3::new(
-                seen(relative[x] - relative[z] * ray.exact_shear[0]),
-                seen(relative[y] - relative[z] * ray.exact_shear[1]),
-                relative[z],
-            )
-        });
-        let [a, b, c] = corners;
-        View {
-            corners,
-            edges: DVec3::new(edge(b, c), edge(c, a), edge(a, b)),
-        }
+    fn view(&self, ray: &TreeRay, exact: &ExactRay) -> View {
+        View::new(exact, self.seen_along(ray))
+    }
+
+    /// The corners' coordinates in the order of the ray's axes.
+    fn seen_along(&self, ray: &TreeRay) -> [[f32; 3]; 3] {
+        self.corners.map(|corner| ray.axes.map(|axis| corner[axis]))
     }
 }
 
 impl View {
+    /// Of the triangle with these corners, their axes in the ray's order.
+    #[inline(always)]
+    fn new(ray: &ExactRay, corners: [[f32; 3]; 3]) -> Self {
+        let corners = [
+            sheared(ray, corners[0]),
+            sheared(ray, corners[1]),
+            sheared(ray, corners[2]),
+        ];
+        let [a, b, c] = corners;
+        Self {
+            corners,
+            edges: DVec3::new(edge(b, c), edge(c, a), edge(a, b)),
+        }
+    }
+
     /// For a triangle whose edge functions have one sign, zeros aside.
-    fn hit(&self, ray: &TreeRay) -> TriangleHit {
+    #[inline(always)]
+    fn hit(&self, ray: &ExactRay) -> TriangleHit {
         let [a, b, c] = self.corners;
         let det = self.edges.element_sum();
         TriangleHit {
@@ -149,8 +155,22 @@ impl View {
     }
 }
 
+#[inline(always)]
+fn sheared(ray: &ExactRay, corner: [f32; 3]) -> DVec3 {
+    let x = f64::from(corner[0]) - ray.origin[0];
+    let y = f64::from(corner[1]) - ray.origin[1];
+    let z = f64::from(corner[2]) - ray.origin[2];
+    DVec3::new(seen(x - z * ray.shear[0]), seen(y - z * ray.shear[1]), z)
+}
+
+#[inline(always)]
+fn seen(x: f64) -> f64 {
+    if x.abs() < TINY { 0.0 } else { x }
+}
+
 /// `q.x p.y - q.y p.x` with an exact sign: rounding keeps the order of products, and of equal ones the residuals,
 /// which `mul_add` gives exactly, tell.
+#[inline(always)]
 fn edge(p: DVec3, q: DVec3) -> f64 {
     let (right, left) = (q.x * p.y, q.y * p.x);
     if right == left {

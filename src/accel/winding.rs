@@ -8,6 +8,7 @@ use crate::math::{Bounds, Ray};
 
 use super::build::MAX_DEPTH;
 use super::mesh::MeshTree;
+use super::tree::Tree;
 use super::triangle::Triangle;
 
 /// The generalized winding number of any mesh (Jacobson, Kavan, Sorkine-Hornung 2013): the solid angle under which a
@@ -18,6 +19,9 @@ use super::triangle::Triangle;
 #[derive(Debug)]
 pub(super) struct WindingNumber {
     pub mesh: Arc<MeshTree>,
+    tree: Tree,
+    /// In the order of the tree's leaves, relative to its centre.
+    triangles: Vec<Triangle>,
     /// One for each inner node of the tree.
     clusters: Vec<Cluster>,
 }
@@ -66,6 +70,9 @@ pub(super) struct OpenCrossing {
 /// What taking groups together mostly changes the number by; at worst ten times that.
 pub(super) const APPROXIMATION: f64 = 0.0002;
 
+/// Triangles in the smallest group.
+const GROUP: u32 = 4;
+
 /// Groups farther than this many radii are taken together.
 const FAR: f64 = 3.0;
 
@@ -79,27 +86,40 @@ struct Knot {
 impl WindingNumber {
     /// Over a tree that [`MeshTree::build_operand`] made.
     pub(super) fn new(mesh: Arc<MeshTree>) -> Self {
-        let mut parts = vec![Part::NOTHING; mesh.tree.inner_nodes()];
+        let triangles: Vec<Triangle> = mesh.triangles().collect();
+        let boxes: Vec<Bounds> = (triangles.iter())
+            .map(|triangle| {
+                let corners = triangle.corners.map(Vec3::as_dvec3);
+                Bounds::of_points(corners.map(|p| p + mesh.center))
+            })
+            .collect();
+        let (tree, order) = Tree::build(&boxes, GROUP);
+        let triangles: Vec<Triangle> = order.iter().map(|&i| triangles[i as usize]).collect();
+        let mut parts = vec![Part::NOTHING; tree.inner_nodes()];
         for node in (0..parts.len()).rev() {
-            for child in mesh.tree.below(node as u32) {
+            for child in tree.below(node as u32) {
                 let child = if child.count == 0 {
                     parts[child.first as usize]
                 } else {
-                    let leaf = mesh.leaf(child.first..child.first + child.count);
-                    leaf.iter().map(Part::of).fold(Part::NOTHING, Part::union)
+                    let leaf = child.first as usize..(child.first + child.count) as usize;
+                    (triangles[leaf].iter())
+                        .map(Part::of)
+                        .fold(Part::NOTHING, Part::union)
                 };
                 parts[node] = parts[node].union(child);
             }
         }
         Self {
             clusters: parts.into_iter().map(Part::cluster).collect(),
+            tree,
+            triangles,
             mesh,
         }
     }
 
     /// The number of `p`.
     pub(super) fn at(&self, p: DVec3) -> f64 {
-        let p = p - self.mesh.tree.center;
+        let p = p - self.mesh.center;
         self.number(p, p)
     }
 
@@ -110,8 +130,8 @@ impl WindingNumber {
 
     /// How fast the number falls and in which direction: to the outside, for a point in a hole.
     pub(super) fn fall(&self, p: DVec3) -> DVec3 {
-        let p = p - self.mesh.tree.center;
-        let step = f64::from(self.mesh.tree.extent) * 2.0_f64.powi(-16);
+        let p = p - self.mesh.center;
+        let step = f64::from(self.mesh.extent) * 2.0_f64.powi(-16);
         let slope = DVec3::AXES
             .map(|axis| self.number(p - step * axis, p) - self.number(p + step * axis, p));
         DVec3::from_array(slope) / (2.0 * step)
@@ -119,7 +139,7 @@ impl WindingNumber {
 
     /// The number of `p` relative to the tree's centre, with groups taken together that are far from `near`.
     fn number(&self, p: DVec3, near: DVec3) -> f64 {
-        let tree = &self.mesh.tree;
+        let tree = &self.tree;
         let mut stack = [tree.root(); MAX_DEPTH + 1];
         let mut height = 1;
         let mut angle = 0.0;
@@ -127,8 +147,8 @@ impl WindingNumber {
             height -= 1;
             let link = stack[height];
             if link.count > 0 {
-                let leaf = self.mesh.leaf(link.first..link.first + link.count);
-                angle += leaf
+                let leaf = link.first as usize..(link.first + link.count) as usize;
+                angle += self.triangles[leaf]
                     .iter()
                     .map(|triangle| solid_angle(triangle, p))
                     .sum::<f64>();
@@ -167,8 +187,8 @@ impl WindingNumber {
             return;
         };
         // Far above the rounding of t and of points, far below what can be seen.
-        let reach = f64::from(self.mesh.tree.extent)
-            + (ray.origin - self.mesh.tree.center).abs().max_element();
+        let reach =
+            f64::from(self.mesh.extent) + (ray.origin - self.mesh.center).abs().max_element();
         let close = reach * 2.0_f64.powi(-44) / ray.direction.abs().max_element();
         let start = ray.tmin.max(span.enter.t);
         let knots = self.knots(ray, start, span.exit.t, 4.0 * close);

@@ -18,6 +18,7 @@ use crate::geometry::{Csg, LinearMap, Mesh, Operand};
 use crate::math::{Bounds, Ray};
 
 use super::mesh::MeshTree;
+use super::options::AccelOptions;
 use super::tree::Tree;
 use super::winding::{APPROXIMATION, WindingNumber};
 use flatten::{Formula, Literal, Operator};
@@ -80,7 +81,10 @@ impl CsgTree {
     /// # Errors
     /// Where the tree is not one whole, or a mesh is not closed.
     pub fn build(csg: &Csg, meshes: &[Mesh]) -> Result<Self> {
-        Self::over(csg, &mesh_trees(meshes, std::slice::from_ref(csg))?)
+        Self::over(
+            csg,
+            &mesh_trees(meshes, std::slice::from_ref(csg), AccelOptions::default())?,
+        )
     }
 
     /// As [`CsgTree::build`], over what [`mesh_trees`] made.
@@ -284,7 +288,11 @@ impl CsgTree {
 ///
 /// # Errors
 /// Where a mesh is invalid, or is an operand and not closed.
-pub(super) fn mesh_trees(meshes: &[Mesh], csgs: &[Csg]) -> Result<Vec<Arc<MeshTree>>> {
+pub(super) fn mesh_trees(
+    meshes: &[Mesh],
+    csgs: &[Csg],
+    options: AccelOptions,
+) -> Result<Vec<Arc<MeshTree>>> {
     let mut is_operand = vec![false; meshes.len()];
     let mut must_be_closed = is_operand.clone();
     for operand in csgs.iter().flat_map(|csg| &csg.operands) {
@@ -300,9 +308,9 @@ pub(super) fn mesh_trees(meshes: &[Mesh], csgs: &[Csg]) -> Result<Vec<Arc<MeshTr
             return Err(openness.error(None, |_| None));
         }
         let tree = if is_operand[i] {
-            MeshTree::build_operand(mesh)
+            MeshTree::build_operand(mesh, options)
         } else {
-            MeshTree::build(mesh)
+            MeshTree::build(mesh, options)
         };
         tree.map(Arc::new)
     };

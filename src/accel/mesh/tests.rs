@@ -6,6 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{MeshCrossing, MeshTree};
 use crate::accel::meshes::{box_mesh, bumpy_sphere, moved, slivers, sphere_mesh, torus_mesh};
+use crate::accel::options::AccelOptions;
 use crate::accel::ray::TreeRay;
 use crate::geometry::Mesh;
 use crate::math::Ray;
@@ -138,7 +139,7 @@ fn along_a_line_a_closed_mesh_is_entered_as_often_as_it_is_left() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut met = 0;
     for (name, mesh) in operands() {
-        let tree = MeshTree::build_operand(&mesh).unwrap();
+        let tree = MeshTree::build_operand(&mesh, AccelOptions::default()).unwrap();
         for _ in 0..10_000 {
             let ray = hard_line(&mesh, &mut rng);
             let found = crossings(&tree, &ray);
@@ -153,12 +154,13 @@ fn along_a_line_a_closed_mesh_is_entered_as_often_as_it_is_left() {
 fn neither_boxes_nor_the_filter_turn_a_crossing_away() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     for (name, mesh) in operands() {
-        let tree = MeshTree::build_operand(&mesh).unwrap();
+        let tree = MeshTree::build_operand(&mesh, AccelOptions::default()).unwrap();
         for _ in 0..300 {
             let ray = hard_line(&mesh, &mut rng);
-            let local = TreeRay::new(&ray, tree.tree.center, tree.tree.extent);
-            let all = (tree.triangles.iter())
-                .filter(|triangle| triangle.decide_crossing(&local).is_some());
+            let local = TreeRay::new(&ray, tree.center, tree.extent);
+            let exact = local.exact(&ray, tree.center);
+            let all = (tree.triangles())
+                .filter(|triangle| triangle.decide_crossing(&local, &exact).is_some());
             assert_eq!(all.count(), crossings(&tree, &ray).len(), "{name}: {ray:?}");
         }
     }
@@ -169,7 +171,7 @@ fn the_count_of_crossings_is_the_winding_number_between_them() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     let (mut inside, mut places) = (0, 0);
     for (name, mesh) in operands() {
-        let tree = MeshTree::build_operand(&mesh).unwrap();
+        let tree = MeshTree::build_operand(&mesh, AccelOptions::default()).unwrap();
         let size = mesh.bounds().size().max_element();
         for _ in 0..100 {
             let ray = hard_line(&mesh, &mut rng);
@@ -196,8 +198,11 @@ fn the_count_of_crossings_is_the_winding_number_between_them() {
 #[test]
 fn winding_tells_inside_from_outside_of_boxes_and_spheres() {
     let mut rng = Pcg64Mcg::seed_from_u64(4);
-    let cube = MeshTree::build_operand(&box_mesh(Vec3::NEG_ONE, Vec3::ONE)).unwrap();
-    let sphere = MeshTree::build_operand(&sphere_mesh(60, |_| 1.0)).unwrap();
+    let cube =
+        MeshTree::build_operand(&box_mesh(Vec3::NEG_ONE, Vec3::ONE), AccelOptions::default())
+            .unwrap();
+    let sphere =
+        MeshTree::build_operand(&sphere_mesh(60, |_| 1.0), AccelOptions::default()).unwrap();
     for _ in 0..20_000 {
         // A third of the coordinates are those of edges and diagonals, or just beside them.
         let p = DVec3::from_array([0; 3].map(|_| match rng.random_range(0..9) {
@@ -215,7 +220,7 @@ fn winding_tells_inside_from_outside_of_boxes_and_spheres() {
     }
     let cube = box_mesh(Vec3::NEG_ONE, Vec3::ONE);
     let inner = moved(cube.clone(), 0.5, Vec3::ZERO);
-    let nested = MeshTree::build_operand(&both(&cube, &inner)).unwrap();
+    let nested = MeshTree::build_operand(&both(&cube, &inner), AccelOptions::default()).unwrap();
     for (x, winding) in [(0.3, 2), (0.7, 1), (1.3, 0)] {
         assert_eq!(nested.winding(DVec3::splat(x)), winding);
     }
@@ -227,8 +232,8 @@ fn the_first_crossing_is_the_closest_hit_and_its_weights_give_its_point() {
     let mut hits = 0;
     for (name, mesh) in operands() {
         let (tree, plain) = (
-            MeshTree::build_operand(&mesh).unwrap(),
-            MeshTree::build(&mesh).unwrap(),
+            MeshTree::build_operand(&mesh, AccelOptions::default()).unwrap(),
+            MeshTree::build(&mesh, AccelOptions::default()).unwrap(),
         );
         let bounds = mesh.bounds();
         for _ in 0..300 {
@@ -240,7 +245,7 @@ fn the_first_crossing_is_the_closest_hit_and_its_weights_give_its_point() {
                 ..ray
             };
             let found = crossings(&tree, &ray);
-            let closest = plain.intersect(&ray).map(|(hit, _)| hit.t);
+            let closest = plain.intersect(&ray, ray.tmax).map(|(hit, _)| hit.t);
             assert_eq!(found.first().map(|c| c.t), closest, "{name}: {ray:?}");
             for crossing in &found {
                 let weights = tree.barycentric(&ray, crossing.t, crossing.primitive);

@@ -1,0 +1,302 @@
+//! Nodes of 8 children, with AVX2 and FMA.
+
+use glam::Vec3A;
+use std::arch::x86_64::*;
+
+use crate::accel::ray::TreeRay;
+
+use super::block::{Block, LANES};
+use super::kernel::{Kernel, NONE, Stack, Waiting};
+use super::node::Node;
+
+#[derive(Clone, Copy)]
+pub(super) struct Avx2(());
+
+impl Avx2 {
+    /// # Safety
+    /// The processor has AVX2 and FMA.
+    pub(super) unsafe fn new() -> Self {
+        Self(())
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Boxes {
+    inverse: [__m256; 3],
+    near: [__m256; 3],
+    far: [__m256; 3],
+    start: __m256,
+    /// Where in a node the planes stand that the ray meets first and last, in bytes.
+    near_at: [usize; 3],
+    far_at: [usize; 3],
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Corners {
+    origin: [__m256; 3],
+    shear: [__m256; 2],
+    /// Doubt is `scale * size + least`.
+    scale: __m256,
+    least: __m256,
+    /// Where in a corner's planes those of the ray's axes stand, in bytes.
+    at: [usize; 3],
+    /// For the distance along the ray's longest axis: which way is forward, what a unit of the box test is in it, and
+    /// where the ray starts.
+    forward: __m256,
+    slack: f32,
+    unit: f32,
+    start: f32,
+}
+
+impl Kernel<8> for Avx2 {
+    type Boxes = Boxes;
+    type Corners = Corners;
+
+    #[inline(always)]
+    fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
+        // SAFETY: see `new`.
+        unsafe {
+            let all = |x: f32| _mm256_set1_ps(x);
+            let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
+            let [x, y, z] = ray.sign;
+            Boxes {
+                inverse: three(ray.inverse),
+                near: three(ray.near),
+                far: three(ray.far),
+                start: all(start.max(0.0)),
+                near_at: [x * 3 * 32, (y * 3 + 1) * 32, (z * 3 + 2) * 32],
+                far_at: [(3 - x * 3) * 32, (4 - y * 3) * 32, (5 - z * 3) * 32],
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn corners(self, ray: &TreeRay, start: f32) -> Corners {
+        // SAFETY: see `new`.
+        unsafe {
+            let all = |x: f32| _mm256_set1_ps(x);
+            let (scale, least) = ray.doubt();
+            let [x, y, z] = ray.axes;
+            Corners {
+                origin: [all(ray.origin[0]), all(ray.origin[1]), all(ray.origin[2])],
+                shear: [all(ray.shear[0]), all(ray.shear[1])],
+                scale: all(scale),
+                least: all(least),
+                at: [x * LANES * 4, y * LANES * 4, z * LANES * 4],
+                forward: _mm256_and_ps(all(ray.along), all(-0.0)),
+                slack: 8.0 * ray.slack,
+                unit: ray.along.abs(),
+                start: start.max(0.0) * ray.along.abs(),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn enter(
+        self,
+        node: &Node<8>,
+        boxes: &Boxes,
+        limit: f32,
+        stack: &mut Stack,
+        len: &mut usize,
+    ) -> u32 {
+        let (enter, mask) = self.meet(node, boxes, limit);
+        if mask & mask.wrapping_sub(1) == 0 {
+            return if mask == 0 {
+                NONE
+            } else {
+                node.children[mask.trailing_zeros() as usize & 7]
+            };
+        }
+        // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
+        unsafe {
+            let top = stack.as_mut_ptr().add(*len).cast::<Waiting>();
+            let count = self.sorted(node, enter, mask, top);
+            *len += count - 1;
+            *top.add(count - 1) as u32
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn push(self, node: &Node<8>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
+        let (enter, mask) = self.meet(node, boxes, limit);
+        unsafe { self.sorted(node, enter, mask, top) }
+    }
+
+    #[inline(always)]
+    fn candidates(self, block: &Block, ray: &Corners, limit: f32) -> u32 {
+        // SAFETY: see `new`; planes are loaded from where they stand in the block.
+        unsafe {
+            let corner = |corner: usize| {
+                let base = (&raw const block.corners[corner]).cast::<u8>();
+                let relative = |i: usize| {
+                    let plane = _mm256_load_ps(base.add(ray.at[i]).cast());
+                    _mm256_sub_ps(plane, ray.origin[i])
+                };
+                let z = relative(2);
+                let x = _mm256_fnmadd_ps(z, ray.shear[0], relative(0));
+                let y = _mm256_fnmadd_ps(z, ray.shear[1], relative(1));
+                (x, y, z)
+            };
+            let (ax, ay, az) = corner(0);
+            let (bx, by, bz) = corner(1);
+            let (cx, cy, cz) = corner(2);
+            let u = _mm256_fmsub_ps(cx, by, _mm256_mul_ps(cy, bx));
+            let v = _mm256_fmsub_ps(ax, cy, _mm256_mul_ps(ay, cx));
+            let w = _mm256_fmsub_ps(bx, ay, _mm256_mul_ps(by, ax));
+            let sign = _mm256_set1_ps(-0.0);
+            let abs = |x: __m256| _mm256_andnot_ps(sign, x);
+            let most = |x, y, z| _mm256_max_ps(_mm256_max_ps(x, y), z);
+            let size = _mm256_max_ps(
+                most(abs(ax), abs(bx), abs(cx)),
+                most(abs(ay), abs(by), abs(cy)),
+            );
+            let doubt = _mm256_fmadd_ps(ray.scale, size, ray.least);
+            // False where the lane holds no triangle.
+            let inside = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_GE_OQ>(
+                    _mm256_min_ps(_mm256_min_ps(u, v), w),
+                    _mm256_xor_ps(doubt, sign),
+                ),
+                _mm256_cmp_ps::<_CMP_LE_OQ>(most(u, v, w), doubt),
+            );
+            // Distance times area, both positive for a hit ahead, with what they may be off.
+            let area = _mm256_add_ps(_mm256_add_ps(u, v), w);
+            let facing = _mm256_and_ps(area, sign);
+            let moment = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));
+            let moment = _mm256_xor_ps(_mm256_xor_ps(moment, facing), ray.forward);
+            let area = _mm256_xor_ps(area, facing);
+            let reach = most(abs(az), abs(bz), abs(cz));
+            let edges = _mm256_add_ps(_mm256_add_ps(abs(u), abs(v)), abs(w));
+            let off = _mm256_fmadd_ps(edges, _mm256_set1_ps(ROUNDING), doubt);
+            let off = _mm256_mul_ps(_mm256_set1_ps(8.0), off);
+            let least = _mm256_mul_ps(edges, _mm256_set1_ps(ray.slack));
+            let before = |at: f32, sign: f32| {
+                let at = _mm256_set1_ps(at);
+                let sure = _mm256_fmadd_ps(off, _mm256_add_ps(reach, abs(at)), least);
+                _mm256_fmadd_ps(sure, _mm256_set1_ps(sign), _mm256_mul_ps(at, area))
+            };
+            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, before(ray.start, -1.0));
+            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, before(limit * ray.unit, 1.0));
+            _mm256_movemask_ps(_mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside)) as u32
+        }
+    }
+}
+
+impl Avx2 {
+    /// Where the ray enters the boxes, and a bit for each that it meets.
+    #[inline(always)]
+    fn meet(self, node: &Node<8>, boxes: &Boxes, limit: f32) -> (__m256, u32) {
+        // SAFETY: see `new`; planes are loaded from where they stand in the node.
+        unsafe {
+            let base = (&raw const *node).cast::<u8>();
+            let near = |axis: usize| {
+                let planes = _mm256_load_ps(base.add(boxes.near_at[axis]).cast());
+                _mm256_fmsub_ps(planes, boxes.inverse[axis], boxes.near[axis])
+            };
+            let far = |axis: usize| {
+                let planes = _mm256_load_ps(base.add(boxes.far_at[axis]).cast());
+                _mm256_fmsub_ps(planes, boxes.inverse[axis], boxes.far[axis])
+            };
+            let enter = _mm256_max_ps(
+                _mm256_max_ps(near(0), near(1)),
+                _mm256_max_ps(near(2), boxes.start),
+            );
+            let leave = _mm256_min_ps(
+                _mm256_min_ps(far(0), far(1)),
+                _mm256_min_ps(far(2), _mm256_set1_ps(limit)),
+            );
+            let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
+            (enter, _mm256_movemask_ps(met) as u32)
+        }
+    }
+
+    /// Writes the children in `mask` to `top`, far ones first, and up to three entries more; returns how many.
+    #[inline(always)]
+    unsafe fn sorted(self, node: &Node<8>, enter: __m256, mask: u32, top: *mut Waiting) -> usize {
+        unsafe {
+            // The lowest three bits of the distance make room for the lane: the keys order both.
+            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            let keys = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(enter));
+            let keys = _mm256_or_si256(keys, lanes);
+            let order = _mm_loadl_epi64(COMPRESS[mask as usize & 255].as_ptr().cast());
+            let order = _mm256_cvtepu8_epi32(order);
+            let count = mask.count_ones() as usize;
+            // Places beyond the last get a key below all others.
+            let beyond = _mm256_cmpgt_epi32(lanes, _mm256_set1_epi32(count as i32 - 1));
+            let keys = _mm256_or_si256(_mm256_permutevar8x32_epi32(keys, order), beyond);
+            let children = _mm256_load_si256(node.children.as_ptr().cast());
+            if count <= 4 {
+                let keys = sort4(_mm256_castsi256_si128(keys));
+                let links = _mm256_permutevar8x32_epi32(children, _mm256_castsi128_si256(keys));
+                let links = _mm256_castsi256_si128(links);
+                _mm_storeu_si128(top.cast(), _mm_unpacklo_epi32(links, keys));
+                _mm_storeu_si128(top.add(2).cast(), _mm_unpackhi_epi32(links, keys));
+            } else {
+                let keys = sort8(keys);
+                let links = _mm256_permutevar8x32_epi32(children, keys);
+                let low = _mm256_unpacklo_epi32(links, keys);
+                let high = _mm256_unpackhi_epi32(links, keys);
+                let first = _mm256_permute2x128_si256::<0x20>(low, high);
+                let last = _mm256_permute2x128_si256::<0x31>(low, high);
+                _mm256_storeu_si256(top.cast(), first);
+                _mm256_storeu_si256(top.add(4).cast(), last);
+            }
+            count
+        }
+    }
+}
+
+/// Sorts signed numbers, the greatest first: Batcher's bitonic network.
+#[inline(always)]
+unsafe fn sort8(mut a: __m256i) -> __m256i {
+    macro_rules! step {
+        ($partner:expr, $greater:literal) => {
+            let b = $partner;
+            a = _mm256_blend_epi32::<$greater>(_mm256_min_epi32(a, b), _mm256_max_epi32(a, b));
+        };
+    }
+    unsafe {
+        step!(_mm256_shuffle_epi32::<0xB1>(a), 0b1001_1001);
+        step!(_mm256_shuffle_epi32::<0x4E>(a), 0b1100_0011);
+        step!(_mm256_shuffle_epi32::<0xB1>(a), 0b1010_0101);
+        step!(_mm256_permute2x128_si256::<0x01>(a, a), 0b0000_1111);
+        step!(_mm256_shuffle_epi32::<0x4E>(a), 0b0011_0011);
+        step!(_mm256_shuffle_epi32::<0xB1>(a), 0b0101_0101);
+    }
+    a
+}
+
+/// Sorts signed numbers, the greatest first.
+#[inline(always)]
+pub(super) unsafe fn sort4(a: __m128i) -> __m128i {
+    unsafe {
+        let b = _mm_shuffle_epi32::<0b01_00_11_10>(a);
+        let a = _mm_blend_epi32::<0b1100>(_mm_max_epi32(a, b), _mm_min_epi32(a, b));
+        let b = _mm_shuffle_epi32::<0b10_11_00_01>(a);
+        let a = _mm_blend_epi32::<0b1010>(_mm_max_epi32(a, b), _mm_min_epi32(a, b));
+        let b = _mm_shuffle_epi32::<0b11_01_10_00>(a);
+        _mm_blend_epi32::<0b0100>(_mm_max_epi32(a, b), _mm_min_epi32(a, b))
+    }
+}
+
+/// For each mask its lanes, the set ones first.
+static COMPRESS: [[u8; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask][place] = lane as u8;
+                place += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// More than the relative rounding of the f32 sums here, and of shearing against the distance.
+const ROUNDING: f32 = 1.0 / (1 << 19) as f32;

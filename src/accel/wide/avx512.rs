@@ -1,0 +1,191 @@
+//! Nodes of 16 children, with AVX-512.
+
+use glam::Vec3A;
+use std::arch::x86_64::*;
+
+use crate::accel::ray::TreeRay;
+
+use super::avx2::{Avx2, sort4};
+use super::block::Block;
+use super::kernel::{Kernel, NONE, Stack, Waiting};
+use super::node::Node;
+
+#[derive(Clone, Copy)]
+pub(super) struct Avx512 {
+    triangles: Avx2,
+}
+
+impl Avx512 {
+    /// # Safety
+    /// The processor has AVX-512 with VL, DQ and BW, and what AVX2 needs.
+    pub(super) unsafe fn new() -> Self {
+        Self {
+            triangles: unsafe { Avx2::new() },
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Boxes {
+    inverse: [__m512; 3],
+    near: [__m512; 3],
+    far: [__m512; 3],
+    start: __m512,
+    /// Where in a node the planes stand that the ray meets first and last, in bytes.
+    near_at: [usize; 3],
+    far_at: [usize; 3],
+}
+
+impl Kernel<16> for Avx512 {
+    type Boxes = Boxes;
+    type Corners = <Avx2 as Kernel<8>>::Corners;
+
+    #[inline(always)]
+    fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
+        // SAFETY: see `new`.
+        unsafe {
+            let all = |x: f32| _mm512_set1_ps(x);
+            let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
+            let [x, y, z] = ray.sign;
+            Boxes {
+                inverse: three(ray.inverse),
+                near: three(ray.near),
+                far: three(ray.far),
+                start: all(start.max(0.0)),
+                near_at: [x * 3 * 64, (y * 3 + 1) * 64, (z * 3 + 2) * 64],
+                far_at: [(3 - x * 3) * 64, (4 - y * 3) * 64, (5 - z * 3) * 64],
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners {
+        self.triangles.corners(ray, start)
+    }
+
+    #[inline(always)]
+    fn enter(
+        self,
+        node: &Node<16>,
+        boxes: &Boxes,
+        limit: f32,
+        stack: &mut Stack,
+        len: &mut usize,
+    ) -> u32 {
+        let (enter, mask) = self.meet(node, boxes, limit);
+        if mask & mask.wrapping_sub(1) == 0 {
+            return if mask == 0 {
+                NONE
+            } else {
+                node.children[mask.trailing_zeros() as usize & 15]
+            };
+        }
+        // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
+        unsafe {
+            let top = stack.as_mut_ptr().add(*len).cast::<Waiting>();
+            let count = self.sorted(node, enter, mask, top);
+            *len += count - 1;
+            *top.add(count - 1) as u32
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn push(self, node: &Node<16>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
+        let (enter, mask) = self.meet(node, boxes, limit);
+        unsafe { self.sorted(node, enter, mask, top) }
+    }
+
+    #[inline(always)]
+    fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32 {
+        self.triangles.candidates(block, corners, limit)
+    }
+}
+
+impl Avx512 {
+    /// Where the ray enters the boxes, and a bit for each that it meets.
+    #[inline(always)]
+    fn meet(self, node: &Node<16>, boxes: &Boxes, limit: f32) -> (__m512, u16) {
+        // SAFETY: see `new`; planes are loaded from where they stand in the node.
+        unsafe {
+            let base = (&raw const *node).cast::<u8>();
+            let near = |axis: usize| {
+                let planes = _mm512_loadu_ps(base.add(boxes.near_at[axis]).cast());
+                _mm512_fmsub_ps(planes, boxes.inverse[axis], boxes.near[axis])
+            };
+            let far = |axis: usize| {
+                let planes = _mm512_loadu_ps(base.add(boxes.far_at[axis]).cast());
+                _mm512_fmsub_ps(planes, boxes.inverse[axis], boxes.far[axis])
+            };
+            let enter = _mm512_max_ps(
+                _mm512_max_ps(near(0), near(1)),
+                _mm512_max_ps(near(2), boxes.start),
+            );
+            let leave = _mm512_min_ps(
+                _mm512_min_ps(far(0), far(1)),
+                _mm512_min_ps(far(2), _mm512_set1_ps(limit)),
+            );
+            let mask = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave);
+            (enter, mask)
+        }
+    }
+
+    /// Writes the children in `mask` to `top`, far ones first, and up to 11 entries more; returns how many.
+    #[inline(always)]
+    unsafe fn sorted(self, node: &Node<16>, enter: __m512, mask: u16, top: *mut Waiting) -> usize {
+        unsafe {
+            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            // The lowest four bits of the distance make room for the lane: the keys order both.
+            let keys = _mm512_ternarylogic_epi32::<0xCA>(
+                _mm512_set1_epi32(15),
+                lanes,
+                _mm512_castps_si512(enter),
+            );
+            let keys = _mm512_mask_compress_epi32(_mm512_set1_epi32(-1), mask, keys);
+            let children = _mm512_loadu_si512(node.children.as_ptr().cast());
+            let count = mask.count_ones() as usize;
+            if count <= 4 {
+                let keys = sort4(_mm512_castsi512_si128(keys));
+                let links = _mm512_permutexvar_epi32(_mm512_castsi128_si512(keys), children);
+                let links = _mm512_castsi512_si128(links);
+                _mm_storeu_si128(top.cast(), _mm_unpacklo_epi32(links, keys));
+                _mm_storeu_si128(top.add(2).cast(), _mm_unpackhi_epi32(links, keys));
+            } else {
+                let keys = sort16(keys);
+                let links = _mm512_permutexvar_epi32(keys, children);
+                let low = _mm512_unpacklo_epi32(links, keys);
+                let high = _mm512_unpackhi_epi32(links, keys);
+                let order = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+                let first = _mm512_permutex2var_epi64(low, order, high);
+                let order = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+                let last = _mm512_permutex2var_epi64(low, order, high);
+                _mm512_storeu_si512(top.cast(), first);
+                _mm512_storeu_si512(top.add(8).cast(), last);
+            }
+            count
+        }
+    }
+}
+
+/// Sorts signed numbers, the greatest first: Batcher's bitonic network.
+#[inline(always)]
+unsafe fn sort16(mut a: __m512i) -> __m512i {
+    macro_rules! step {
+        ($partner:expr, $greater:literal) => {
+            let b = $partner;
+            a = _mm512_mask_mov_epi32(_mm512_min_epi32(a, b), $greater, _mm512_max_epi32(a, b));
+        };
+    }
+    unsafe {
+        step!(_mm512_shuffle_epi32::<0xB1>(a), 0b1001_1001_1001_1001);
+        step!(_mm512_shuffle_epi32::<0x4E>(a), 0b1100_0011_1100_0011);
+        step!(_mm512_shuffle_epi32::<0xB1>(a), 0b1010_0101_1010_0101);
+        step!(_mm512_shuffle_i32x4::<0xB1>(a, a), 0b1111_0000_0000_1111);
+        step!(_mm512_shuffle_epi32::<0x4E>(a), 0b1100_1100_0011_0011);
+        step!(_mm512_shuffle_epi32::<0xB1>(a), 0b1010_1010_0101_0101);
+        step!(_mm512_shuffle_i32x4::<0x4E>(a, a), 0b0000_0000_1111_1111);
+        step!(_mm512_shuffle_i32x4::<0xB1>(a, a), 0b0000_1111_0000_1111);
+        step!(_mm512_shuffle_epi32::<0x4E>(a), 0b0011_0011_0011_0011);
+        step!(_mm512_shuffle_epi32::<0xB1>(a), 0b0101_0101_0101_0101);
+    }
+    a
+}

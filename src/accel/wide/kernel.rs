@@ -1,0 +1,102 @@
+use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
+
+use crate::accel::ray::TreeRay;
+
+use super::Walk;
+use super::block::Block;
+use super::node::{LEAF, Node};
+
+/// Entries that a traversal may have to keep: with up to 15 for each level of the deepest tree there are 960.
+pub(super) const STACK: usize = 1024;
+
+/// No link.
+pub(super) const NONE: u32 = u32::MAX;
+
+pub(super) type Stack = [MaybeUninit<Waiting>; STACK];
+
+/// A subtree that waits: in the upper half the bits of where the ray enters it, not above that; in the lower half
+/// the link.
+pub(super) type Waiting = u64;
+
+/// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
+/// that it is written for.
+pub(in crate::accel) trait Kernel<const N: usize>: Copy {
+    /// What the box test takes from the ray.
+    type Boxes: Copy;
+    /// What the triangle test takes from the ray.
+    type Corners: Copy;
+
+    /// For boxes behind `start`, at least 0.
+    fn boxes(self, ray: &TreeRay, start: f32) -> Self::Boxes;
+
+    /// For triangles relative to the tree's centre.
+    /// Hits before `start` do not matter.
+    fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners;
+
+    /// The nearest child that the ray meets before `limit`, or [`NONE`]; the others go onto the stack of `len`
+    /// entries, far ones first. The lowest bits of where the ray enters may be lost.
+    fn enter(
+        self,
+        node: &Node<N>,
+        boxes: &Self::Boxes,
+        limit: f32,
+        stack: &mut Stack,
+        len: &mut usize,
+    ) -> u32;
+
+    /// Writes the children that the ray meets before `limit` to `top`, where there is room for `N` and what the kernel
+    /// writes beyond, far ones first; returns how many.
+    ///
+    /// # Safety
+    /// There is such room.
+    unsafe fn push(
+        self,
+        node: &Node<N>,
+        boxes: &Self::Boxes,
+        limit: f32,
+        top: *mut Waiting,
+    ) -> usize;
+
+    /// A bit for each triangle that is not certainly missed, or certainly hit before the start or beyond `limit`.
+    fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;
+}
+
+/// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets a
+/// leaf's index and answers with the new limit, or breaks.
+#[inline(always)]
+pub(super) fn traverse<K: Kernel<N>, const N: usize>(
+    kernel: K,
+    walk: Walk<'_, N>,
+    ray: &TreeRay,
+    start: f32,
+    mut limit: f32,
+    mut visit: impl FnMut(u32) -> ControlFlow<(), f32>,
+) -> ControlFlow<()> {
+    let boxes = kernel.boxes(ray, start);
+    let mut stack: Stack = [MaybeUninit::uninit(); STACK];
+    let mut len = 0;
+    let mut link = walk.root;
+    loop {
+        while link & LEAF == 0 {
+            // SAFETY: links of a tree lead to its nodes.
+            let node = unsafe { walk.nodes.get_unchecked(link as usize) };
+            link = kernel.enter(node, &boxes, limit, &mut stack, &mut len);
+        }
+        if link != NONE {
+            limit = visit(link & !LEAF)?;
+        }
+        let bits = limit.max(0.0).to_bits();
+        link = loop {
+            if len == 0 {
+                return ControlFlow::Continue(());
+            }
+            len -= 1;
+            // SAFETY: `enter` wrote all entries below `len`, which never is above what the tree's depth allows.
+            let waiting = unsafe { stack.get_unchecked(len).assume_init() };
+            if (waiting >> 32) as u32 <= bits {
+                break waiting as u32;
+            }
+        };
+    }
+}

@@ -1,0 +1,171 @@
+//! Trees of boxes with many children a node, tested all at once.
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, clippy::wildcard_imports)]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, clippy::wildcard_imports)]
+mod avx512;
+mod block;
+mod collapse;
+mod kernel;
+mod node;
+mod portable;
+mod stream;
+
+pub(super) use block::{Block, LANES};
+pub(super) use kernel::Kernel;
+pub(super) use stream::{Entrant, Next, RAYS, Traffic};
+
+use std::ops::ControlFlow;
+
+use obvhs::aabb::Aabb;
+
+use super::build;
+use super::options::{AccelOptions, Kernel as Choice};
+use super::ray::TreeRay;
+#[cfg(target_arch = "x86_64")]
+use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+use avx512::Avx512;
+use node::Node;
+use portable::Portable;
+
+/// A tree with as many children a node as its kernel tests at once; what its leaves hold is the caller's affair.
+#[derive(Debug)]
+pub(super) struct WideTree {
+    nodes: Nodes,
+    root: u32,
+    kernel: Choice,
+}
+
+#[derive(Debug)]
+enum Nodes {
+    Eight(Vec<Node<8>>),
+    Sixteen(Vec<Node<16>>),
+}
+
+/// What each leaf holds: leaf `i` has the primitives `order[starts[i]..starts[i + 1]]`.
+pub(super) struct Leaves {
+    pub starts: Vec<u32>,
+    pub order: Vec<u32>,
+}
+
+/// Work on a tree, compiled for every kernel.
+pub(super) trait Task {
+    type Output;
+
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output;
+}
+
+/// The nodes of a tree.
+#[derive(Clone, Copy)]
+pub(super) struct Walk<'a, const N: usize> {
+    nodes: &'a [Node<N>],
+    root: u32,
+}
+
+impl<const N: usize> Walk<'_, N> {
+    /// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets
+    /// a leaf's index and answers with the new limit, or breaks.
+    #[inline(always)]
+    pub(super) fn traverse<K: Kernel<N>>(
+        self,
+        kernel: K,
+        ray: &TreeRay,
+        start: f32,
+        limit: f32,
+        visit: impl FnMut(u32) -> ControlFlow<(), f32>,
+    ) -> ControlFlow<()> {
+        kernel::traverse(kernel, self, ray, start, limit, visit)
+    }
+
+    /// Walks many rays at once.
+    #[inline(always)]
+    pub(super) fn stream<K: Kernel<N>>(self, kernel: K, traffic: &mut impl Traffic) {
+        stream::stream(kernel, self, traffic);
+    }
+}
+
+impl WideTree {
+    /// Builds over `boxes`, at least one, all finite, with at most `most` of them in a leaf.
+    pub(super) fn build(boxes: &[Aabb], most: u32, options: AccelOptions) -> (Self, Leaves) {
+        match options.kernel {
+            #[cfg(target_arch = "x86_64")]
+            Choice::Avx512 => Self::of(boxes, most, options, Nodes::Sixteen),
+            _ => Self::of(boxes, most, options, Nodes::Eight),
+        }
+    }
+
+    fn of<const N: usize>(
+        boxes: &[Aabb],
+        most: u32,
+        options: AccelOptions,
+        hold: impl Fn(Vec<Node<N>>) -> Nodes,
+    ) -> (Self, Leaves) {
+        let collapsed = build::binary(boxes, options.quality, |bvh| {
+            collapse::collapse::<N>(bvh, most)
+        });
+        let tree = Self {
+            nodes: hold(collapsed.nodes),
+            root: collapsed.root,
+            kernel: options.kernel,
+        };
+        let leaves = Leaves {
+            starts: collapsed.starts,
+            order: collapsed.order,
+        };
+        (tree, leaves)
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        match &self.nodes {
+            Nodes::Eight(nodes) => size_of_val(nodes.as_slice()),
+            Nodes::Sixteen(nodes) => size_of_val(nodes.as_slice()),
+        }
+    }
+
+    /// Runs the task with the tree's kernel.
+    #[inline]
+    pub(super) fn run<T: Task>(&self, task: T) -> T::Output {
+        match (&self.nodes, self.kernel) {
+            // SAFETY: a kernel can only be chosen where the processor has it.
+            #[cfg(target_arch = "x86_64")]
+            (Nodes::Sixteen(nodes), Choice::Avx512) => unsafe {
+                run_avx512(task, self.walk(nodes))
+            },
+            #[cfg(target_arch = "x86_64")]
+            (Nodes::Eight(nodes), Choice::Avx2) => unsafe { run_avx2(task, self.walk(nodes)) },
+            _ => self.run_portable(task),
+        }
+    }
+
+    /// Runs the task with the portable kernel, which takes every ray.
+    #[inline(never)]
+    pub(super) fn run_portable<T: Task>(&self, task: T) -> T::Output {
+        match &self.nodes {
+            Nodes::Eight(nodes) => task.run(Portable, self.walk(nodes)),
+            Nodes::Sixteen(nodes) => task.run(Portable, self.walk(nodes)),
+        }
+    }
+
+    fn walk<'a, const N: usize>(&self, nodes: &'a [Node<N>]) -> Walk<'a, N> {
+        Walk {
+            nodes,
+            root: self.root,
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn run_avx512<T: Task>(task: T, walk: Walk<'_, 16>) -> T::Output {
+    task.run(unsafe { Avx512::new() }, walk)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn run_avx2<T: Task>(task: T, walk: Walk<'_, 8>) -> T::Output {
+    task.run(unsafe { Avx2::new() }, walk)
+}

@@ -1,0 +1,32 @@
+use obvhs::aabb::Aabb;
+
+/// Set in a link to a leaf; the rest is its index.
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// The boxes of up to `N` children as planes, and links to them.
+///
+/// A lane without a child has a box that nothing meets.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(in crate::accel) struct Node<const N: usize> {
+    /// `[min, max][axis][child]`.
+    pub planes: [[[f32; N]; 3]; 2],
+    /// Index of a node, or of a leaf with [`LEAF`] set.
+    pub children: [u32; N],
+}
+
+impl<const N: usize> Node<N> {
+    /// Without children.
+    pub(super) const EMPTY: Self = Self {
+        planes: [[[f32::INFINITY; N]; 3], [[f32::NEG_INFINITY; N]; 3]],
+        children: [u32::MAX; N],
+    };
+
+    pub(super) fn set(&mut self, lane: usize, aabb: &Aabb, link: u32) {
+        for axis in 0..3 {
+            self.planes[0][axis][lane] = aabb.min[axis];
+            self.planes[1][axis][lane] = aabb.max[axis];
+        }
+        self.children[lane] = link;
+    }
+}
