@@ -1,6 +1,8 @@
 //! From a world to a film: tiles, passes, threads.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glam::Vec2;
@@ -130,32 +132,32 @@ pub fn render(
         bad: Vec::new(),
     };
     let tiles: Vec<Rect> = settings.area.tiles(settings.tile_size.max(1)).collect();
+    let mut complete = true;
+    let shared = Mutex::new(&mut rendered);
     for pass in passes(settings.samples.clone()) {
-        let done: Vec<Option<Tile>> = pool.install(|| {
-            (tiles.par_iter())
-                .map(|&rect| {
-                    (!observer.stop()).then(|| {
-                        let tile = render_tile(world, lens, integrator, settings, rect, &pass);
-                        let pixels = u64::from(rect.width) * u64::from(rect.height);
-                        observer.advance(pixels * u64::from(pass.end - pass.start), tile.rays);
-                        tile
-                    })
-                })
-                .collect()
+        let stopped = AtomicBool::new(false);
+        pool.install(|| {
+            tiles.par_iter().for_each(|&rect| {
+                if observer.stop() {
+                    stopped.store(true, Ordering::Relaxed);
+                    return;
+                }
+                let tile = render_tile(world, lens, integrator, settings, rect, &pass);
+                let pixels = u64::from(rect.width) * u64::from(rect.height);
+                observer.advance(pixels * u64::from(pass.end - pass.start), tile.rays);
+                // Sums are exact: the order in which tiles come cannot show.
+                let mut rendered = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                rendered.film.add(&tile.film);
+                rendered.rays += tile.rays;
+                rendered.bad.extend(tile.bad);
+            });
         });
-        for tile in done {
-            let Some(tile) = tile else {
-                rendered.complete = false;
-                continue;
-            };
-            rendered.film.add(&tile.film);
-            rendered.rays += tile.rays;
-            rendered.bad.extend(tile.bad);
-        }
-        if !rendered.complete {
+        if stopped.into_inner() {
+            complete = false;
             break;
         }
     }
+    rendered.complete = complete;
     rendered
         .bad
         .sort_unstable_by_key(|b| (b.pixel.1, b.pixel.0, b.index));

@@ -80,6 +80,7 @@ pub(super) struct Link {
 }
 
 /// A binary tree in a form that does not depend on who built it.
+#[derive(Debug)]
 pub(super) struct Topology {
     /// The two children of each inner node.
     pub children: Vec<[Link; 2]>,

@@ -11,10 +11,9 @@ use crate::geometry::Mesh;
 use crate::math::{Bounds, Ray};
 
 use super::options::AccelOptions;
-use super::ray::TreeRay;
-use super::tree::exact_center;
+use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, Kernel, LANES, Task, Walk, WideTree};
+use super::wide::{Block, Kernel, LANES, Pages, Task, Walk, WideTree};
 
 pub(super) use batch::Rays;
 
@@ -48,7 +47,7 @@ pub(super) struct MeshCrossing {
 #[derive(Debug)]
 pub(super) struct MeshTree {
     tree: WideTree,
-    leaves: Vec<Block>,
+    leaves: Pages<Block>,
     /// Corners are stored relative to this point.
     pub center: DVec3,
     /// The largest coordinate from there.
@@ -115,19 +114,17 @@ impl MeshTree {
             .reduce(|| Vec3A::ZERO, Vec3A::max)
             .max_element();
         drop(boxes);
-        let leaves: Vec<Block> = (order.starts.par_windows(2))
-            .map(|leaf| {
-                let positions = &order.order[leaf[0] as usize..leaf[1] as usize];
-                Block::new(positions.iter().map(|&position| {
-                    let primitive = kept[position as usize];
-                    Triangle {
-                        corners: mesh.corners(primitive).map(local),
-                        primitive,
-                    }
-                }))
-            })
-            .collect();
-        report.bytes = tree.bytes() + size_of_val(leaves.as_slice());
+        let leaves = Pages::new(order.starts.len() - 1, |i| {
+            let positions = &order.order[order.starts[i] as usize..order.starts[i + 1] as usize];
+            Block::new(positions.iter().map(|&position| {
+                let primitive = kept[position as usize];
+                Triangle {
+                    corners: mesh.corners(primitive).map(local),
+                    primitive,
+                }
+            }))
+        });
+        report.bytes = tree.bytes() + size_of_val(&*leaves);
         Ok(Self {
             tree,
             leaves,
@@ -149,7 +146,7 @@ impl MeshTree {
             ray,
             tmax,
         };
-        if self.fits_kernels(ray) {
+        if fits_kernels(ray, self.center, self.extent) {
             self.tree.run(task)
         } else {
             self.tree.run_portable(task)
@@ -160,7 +157,7 @@ impl MeshTree {
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let task = Any { mesh: self, ray };
-        if self.fits_kernels(ray) {
+        if fits_kernels(ray, self.center, self.extent) {
             self.tree.run(task)
         } else {
             self.tree.run_portable(task)
@@ -219,13 +216,6 @@ impl MeshTree {
             winding += if crossing.enter { -1 } else { 1 };
         });
         winding
-    }
-
-    /// Whether kernels may walk with the f32 parts of a ray: no operation on them overflows, and distances are at
-    /// least 0, so that their bits order them.
-    #[inline]
-    fn fits_kernels(&self, ray: &Ray) -> bool {
-        ray.tmin >= 0.0 && (ray.origin - self.center).abs().max_element() < LARGEST
     }
 
     /// All triangles, in the order of the leaves.
@@ -344,6 +334,19 @@ fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
             lane & (LANES - 1)
         })
     })
+}
+
+/// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again.
+/// Where an axis lies far from 0 against its length that is its middle, by Sterbenz's lemma (within a
+/// factor of two, differences are exact); elsewhere 0, and coordinates are of the size of the box.
+fn exact_center(bounds: &Bounds) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|axis| {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
+        let middle = f64::from((0.5 * (min + max)) as f32);
+        let (near, far) = (min.abs().min(max.abs()), min.abs().max(max.abs()));
+        let exact = min * max > 0.0 && 2.0 * near >= middle.abs() && far <= 2.0 * middle.abs();
+        if exact { middle } else { 0.0 }
+    }))
 }
 
 /// The triangles with an area, the first of each set with equal corners, in order.

@@ -4,13 +4,13 @@
 //! one over its operands.
 //! Planes have no bounds and stand in a list beside the tree.
 
+mod boxes;
 mod build;
 mod csg;
 mod mesh;
 mod options;
 mod ray;
 mod scene;
-mod tree;
 mod triangle;
 #[allow(unsafe_code)]
 #[allow(

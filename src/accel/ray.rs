@@ -37,6 +37,9 @@ pub(super) struct ExactRay {
     pub length: f64,
 }
 
+/// Squares of sums of a few such numbers are in the range of f32.
+const LARGEST: f64 = 4e18;
+
 const SLACK: f32 = 1.0 / (1 << 20) as f32;
 
 impl TreeRay {
@@ -114,6 +117,14 @@ impl TreeRay {
 
 /// More than what rounding to f32 changes.
 const BOX_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// Whether kernels may walk with the [`TreeRay`] of `ray`: no operation on it overflows, and distances are at least 0,
+/// so that their bits order them.
+#[inline]
+pub(super) fn fits_kernels(ray: &Ray, center: DVec3, extent: f32) -> bool {
+    let reach = (ray.origin - center).abs().max_element() + f64::from(extent);
+    ray.tmin >= 0.0 && reach < LARGEST
+}
 
 /// The power of two at or below `x`, for x > 0, as far as it and its reciprocal are normal numbers; else the nearest
 /// such.

@@ -7,11 +7,10 @@ use crate::error::Result;
 use crate::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use crate::math::{Bounds, Ray, Transform};
 
+use super::boxes::BoxTree;
 use super::csg::{CsgTree, ROUNDING, mesh_trees};
 use super::mesh::{MeshReport, MeshTree, Rays};
 use super::options::AccelOptions;
-use super::ray::TreeRay;
-use super::tree::Tree;
 use super::triangle::TriangleHit;
 
 /// A shape in its place.
@@ -51,7 +50,7 @@ pub struct Accel {
     /// Whether each one's transform changes anything.
     moved: Vec<bool>,
     /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
-    tree: Option<(Tree, Vec<u32>)>,
+    tree: Option<(BoxTree, Vec<u32>)>,
     /// Those that every ray is tested with: planes, CSG objects that half-spaces leave open, and all of few shapes.
     always: Vec<u32>,
     bounds: Bounds,
@@ -78,7 +77,7 @@ impl Accel {
     ) -> Result<Self> {
         let meshes = mesh_trees(meshes, csgs, options)?;
         let csgs = (csgs.iter())
-            .map(|csg| CsgTree::over(csg, &meshes))
+            .map(|csg| CsgTree::over(csg, &meshes, options))
             .collect::<Result<Vec<_>>>()?;
         let (mut bounded, mut boxes, mut always) = (Vec::new(), Vec::new(), Vec::new());
         for (i, p) in placed.iter().enumerate() {
@@ -95,7 +94,7 @@ impl Accel {
             always.sort_unstable();
         }
         let tree = (!bounded.is_empty()).then(|| {
-            let (tree, order) = Tree::build(&boxes, 1);
+            let (tree, order) = BoxTree::build(&boxes, options);
             let order = order.into_iter().map(|i| bounded[i as usize]).collect();
             (tree, order)
         });
@@ -197,16 +196,12 @@ impl Accel {
             }
         }
         if let Some((tree, order)) = &self.tree {
-            let local = TreeRay::new(ray, tree.center, tree.extent);
-            let (start, end) = (local.box_start(ray.tmin), local.box_limit(limit));
-            let _ = tree.traverse(&local, start, end, |leaf| {
-                for position in leaf {
-                    let instance = order[position as usize];
-                    if let Some(hit) = self.intersect_one(instance, ray, limit.next_up()) {
-                        offer(hit, &mut limit);
-                    }
+            let _ = tree.traverse(ray, limit, |leaf| {
+                let instance = order[leaf as usize];
+                if let Some(hit) = self.intersect_one(instance, ray, limit.next_up()) {
+                    offer(hit, &mut limit);
                 }
-                ControlFlow::Continue(local.box_limit(limit))
+                ControlFlow::Continue(limit)
             });
         }
         best
@@ -220,13 +215,11 @@ impl Accel {
         let Some((tree, order)) = &self.tree else {
             return false;
         };
-        let local = TreeRay::new(ray, tree.center, tree.extent);
-        let limit = local.box_limit(ray.tmax);
-        tree.traverse(&local, local.box_start(ray.tmin), limit, |mut leaf| {
-            if leaf.any(|position| self.occludes(order[position as usize], ray)) {
+        tree.traverse(ray, ray.tmax, |leaf| {
+            if self.occludes(order[leaf as usize], ray) {
                 ControlFlow::Break(())
             } else {
-                ControlFlow::Continue(limit)
+                ControlFlow::Continue(ray.tmax)
             }
         })
         .is_break()

@@ -1,14 +1,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3, Mat3, Vec3};
+use glam::{DMat3, DVec3, Mat3, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
 
 use crate::geometry::Solid;
 use crate::math::{Bounds, Ray};
 
-use super::build::MAX_DEPTH;
+use super::build::{self, MAX_DEPTH, Topology};
 use super::mesh::MeshTree;
-use super::tree::Tree;
 use super::triangle::Triangle;
 
 /// The generalized winding number of any mesh (Jacobson, Kavan, Sorkine-Hornung 2013): the solid angle under which a
@@ -19,8 +19,8 @@ use super::triangle::Triangle;
 #[derive(Debug)]
 pub(super) struct WindingNumber {
     pub mesh: Arc<MeshTree>,
-    tree: Tree,
-    /// In the order of the tree's leaves, relative to its centre.
+    tree: Topology,
+    /// In the order of the tree's leaves, relative to the mesh's centre.
     triangles: Vec<Triangle>,
     /// One for each inner node of the tree.
     clusters: Vec<Cluster>,
@@ -87,17 +87,16 @@ impl WindingNumber {
     /// Over a tree that [`MeshTree::build_operand`] made.
     pub(super) fn new(mesh: Arc<MeshTree>) -> Self {
         let triangles: Vec<Triangle> = mesh.triangles().collect();
-        let boxes: Vec<Bounds> = (triangles.iter())
-            .map(|triangle| {
-                let corners = triangle.corners.map(Vec3::as_dvec3);
-                Bounds::of_points(corners.map(|p| p + mesh.center))
-            })
+        let boxes: Vec<Aabb> = (triangles.iter())
+            .map(|triangle| Aabb::from_points(&triangle.corners.map(Vec3A::from)))
             .collect();
-        let (tree, order) = Tree::build(&boxes, GROUP);
-        let triangles: Vec<Triangle> = order.iter().map(|&i| triangles[i as usize]).collect();
-        let mut parts = vec![Part::NOTHING; tree.inner_nodes()];
+        let tree = build::build(&boxes, GROUP);
+        let triangles: Vec<Triangle> = (tree.order.iter())
+            .map(|&i| triangles[i as usize])
+            .collect();
+        let mut parts = vec![Part::NOTHING; tree.children.len()];
         for node in (0..parts.len()).rev() {
-            for child in tree.below(node as u32) {
+            for child in tree.children[node] {
                 let child = if child.count == 0 {
                     parts[child.first as usize]
                 } else {
@@ -140,7 +139,7 @@ impl WindingNumber {
     /// The number of `p` relative to the tree's centre, with groups taken together that are far from `near`.
     fn number(&self, p: DVec3, near: DVec3) -> f64 {
         let tree = &self.tree;
-        let mut stack = [tree.root(); MAX_DEPTH + 1];
+        let mut stack = [tree.root; MAX_DEPTH + 1];
         let mut height = 1;
         let mut angle = 0.0;
         while height > 0 {
@@ -158,7 +157,7 @@ impl WindingNumber {
             if cluster.center.distance_squared(near) > (FAR * cluster.radius).powi(2) {
                 angle += cluster.solid_angle(p);
             } else {
-                for child in tree.below(link.first) {
+                for child in tree.children[link.first as usize] {
                     stack[height] = child;
                     height += 1;
                 }

@@ -4,6 +4,8 @@ mod filter;
 
 pub use filter::Filter;
 
+use rayon::prelude::*;
+
 use crate::color::Rgb;
 use crate::image::Image;
 
@@ -18,7 +20,7 @@ pub const MAX_SAMPLE: f32 = (1_u64 << 47) as f32;
 ///
 /// The resolution is 2⁻⁴⁸, 3.6e-15: a channel of magnitude 2⁻²⁵ (3e-8) or more enters as it is, a smaller one
 /// is first rounded to the resolution. Integer addition is associative, so the sum has the same bits in every order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 pub struct PixelSum {
     sum: [i128; 3],
     count: u32,
@@ -128,7 +130,8 @@ impl Film {
         let pixels = rect.width as usize * rect.height as usize;
         Self {
             rect,
-            pixels: vec![PixelSum::default(); pixels],
+            // Pages that no sample reaches are never touched.
+            pixels: bytemuck::zeroed_vec(pixels),
         }
     }
 
@@ -181,7 +184,7 @@ impl Film {
 
     /// The means as channels `R`, `G`, `B`: each exact sum divided in f64, then rounded to f32.
     pub fn to_image(&self) -> Image {
-        let means: Vec<Rgb> = self.pixels.iter().map(PixelSum::mean).collect();
+        let means: Vec<Rgb> = self.pixels.par_iter().map(PixelSum::mean).collect();
         Image::rgb(self.rect.width as usize, self.rect.height as usize, &means)
     }
 }

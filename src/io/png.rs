@@ -2,6 +2,7 @@
 
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SrgbRenderingIntent};
+use rayon::prelude::*;
 
 use crate::color::Tonemap;
 use crate::error::{Error, ErrorKind, Result};
@@ -27,9 +28,12 @@ pub fn encode_png(image: &Image, tonemap: Tonemap) -> Result<Vec<u8>> {
     };
     let (r, g, b) = (channel("R")?, channel("G")?, channel("B")?);
     let byte = |linear: f32| (255.0 * tonemap.encode(linear)).round() as u8;
-    let pixels: Vec<u8> = (r.iter().zip(g).zip(b))
-        .flat_map(|((&r, &g), &b)| [byte(r), byte(g), byte(b)])
-        .collect();
+    let mut pixels = vec![0; 3 * r.len()];
+    (pixels.par_chunks_mut(3).zip(r.par_iter().zip(g).zip(b)))
+        .with_min_len(1 << 12)
+        .for_each(|(pixel, ((&r, &g), &b))| {
+            pixel.copy_from_slice(&[byte(r), byte(g), byte(b)]);
+        });
     write_png(image, tonemap, &pixels).map_err(|cause| {
         Error::new(
             ErrorKind::Write,

@@ -17,9 +17,10 @@ use crate::error::{Error, Result};
 use crate::geometry::{Csg, LinearMap, Mesh, Operand};
 use crate::math::{Bounds, Ray};
 
+use super::boxes::BoxTree;
 use super::mesh::MeshTree;
 use super::options::AccelOptions;
-use super::tree::Tree;
+
 use super::winding::{APPROXIMATION, WindingNumber};
 use flatten::{Formula, Literal, Operator};
 pub use operand::HOLE;
@@ -38,7 +39,7 @@ pub struct CsgTree {
     unbounded: u32,
     /// Where in `leaves` each authored operand is, or `u32::MAX`.
     positions: Vec<u32>,
-    tree: Option<Tree>,
+    tree: Option<BoxTree>,
     bounds: Bounds,
     report: CsgReport,
 }
@@ -81,14 +82,13 @@ impl CsgTree {
     /// # Errors
     /// Where the tree is not one whole, or a mesh is not closed.
     pub fn build(csg: &Csg, meshes: &[Mesh]) -> Result<Self> {
-        Self::over(
-            csg,
-            &mesh_trees(meshes, std::slice::from_ref(csg), AccelOptions::default())?,
-        )
+        let options = AccelOptions::default();
+        let meshes = mesh_trees(meshes, std::slice::from_ref(csg), options)?;
+        Self::over(csg, &meshes, options)
     }
 
     /// As [`CsgTree::build`], over what [`mesh_trees`] made.
-    pub(super) fn over(csg: &Csg, meshes: &[Arc<MeshTree>]) -> Result<Self> {
+    pub(super) fn over(csg: &Csg, meshes: &[Arc<MeshTree>], options: AccelOptions) -> Result<Self> {
         if csg.results() != 1 {
             return Err(
                 Error::input(format!("the CSG tree has {} results", csg.results()))
@@ -127,7 +127,7 @@ impl CsgTree {
         let (tree, order) = if boxes.is_empty() {
             (None, Vec::new())
         } else {
-            let (tree, order) = Tree::build(&boxes, 2);
+            let (tree, order) = BoxTree::build(&boxes, options);
             (Some(tree), order)
         };
         let in_order = order.iter().map(|&i| bounded[i as usize]);
@@ -148,7 +148,7 @@ impl CsgTree {
         for (position, leaf) in leaves.iter().enumerate() {
             positions[leaf.id as usize] = position as u32;
         }
-        let bytes = tree.as_ref().map_or(0, Tree::bytes)
+        let bytes = tree.as_ref().map_or(0, BoxTree::bytes)
             + size_of_val(&*leaves)
             + size_of_val(&*formula.operators)
             + size_of_val(&*forms)
@@ -220,8 +220,7 @@ impl CsgTree {
         let mut holding: Vec<u32> = (0..self.unbounded).filter(holds).collect();
         if let Some(tree) = &self.tree {
             tree.around(p, |leaf| {
-                let positions = leaf.start + self.unbounded..leaf.end + self.unbounded;
-                holding.extend(positions.filter(holds));
+                holding.extend(Some(leaf + self.unbounded).filter(holds));
             });
         }
         self.holds(holding.into_iter())

@@ -2,13 +2,13 @@
 //! operator tells where the ray enters and leaves the solid.
 
 use std::cell::RefCell;
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use crate::accel::build::Link;
+use crate::accel::boxes::BoxTree;
 use crate::accel::ray::TreeRay;
-use crate::accel::tree::Tree;
+use crate::accel::wide::{Children, Kernel, LEAF, Task, Waiting, Walk};
 use crate::math::Ray;
 
 use super::CsgTree;
@@ -31,7 +31,8 @@ struct Scratch {
     counts: Vec<Count>,
     /// Counts of other epochs are those of a point outside of all operands.
     epoch: u32,
-    frontier: BinaryHeap<Frontier>,
+    /// Subtrees that wait, nearest first.
+    frontier: BinaryHeap<Reverse<Waiting>>,
     events: BinaryHeap<Pending>,
     cluster: Vec<Event>,
 }
@@ -42,12 +43,6 @@ struct Count {
     value: i32,
 }
 
-/// A node that waits, nearest first.
-struct Frontier {
-    t: f32,
-    link: Link,
-}
-
 /// An event that waits, the one that may be earliest first.
 struct Pending(Event);
 
@@ -56,11 +51,45 @@ thread_local! {
 }
 
 /// The boxes' side of a pass, with the ray's ends in the units of the box test.
-struct Boxes<'a> {
-    tree: &'a Tree,
+struct Front<'a, K: Kernel<N>, const N: usize> {
+    kernel: K,
+    walk: Walk<'a, N>,
     ray: TreeRay,
+    boxes: K::Boxes,
     start: f32,
     end: f32,
+}
+
+/// A pass over an object with boxes.
+struct Pass<'a, V> {
+    sweep: Sweep<'a>,
+    boxes: &'a BoxTree,
+    visit: V,
+}
+
+impl<B, V: FnMut(Flip) -> ControlFlow<B>> Task for Pass<'_, V> {
+    type Output = ControlFlow<B>;
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> ControlFlow<B> {
+        let Self {
+            sweep,
+            boxes,
+            visit,
+        } = self;
+        let local = boxes.local_ray(sweep.ray);
+        let start = local.box_start(sweep.ray.tmin);
+        let front = Front {
+            kernel,
+            walk,
+            boxes: kernel.boxes(&local, start),
+            start: start.max(0.0),
+            end: local.box_limit(sweep.ray.tmax),
+            ray: local,
+        };
+        (sweep.scratch.frontier).push(Reverse(Waiting::from(walk.root())));
+        sweep.run(visit, |sweep| sweep.advance(&front))
+    }
 }
 
 /// The state of one pass.
@@ -84,13 +113,27 @@ impl CsgTree {
     ) -> Option<B> {
         SCRATCH.with_borrow_mut(|scratch| {
             scratch.begin(self.operators.len());
-            let sweep = Sweep {
+            let mut sweep = Sweep {
                 tree: self,
                 ray,
                 scratch,
                 inside: self.inside_at_nothing(),
             };
-            sweep.run(visit).break_value()
+            for position in 0..self.unbounded {
+                sweep.load(position);
+            }
+            match &self.tree {
+                None => sweep.run(visit, |_| {}),
+                Some(boxes) => boxes.run(
+                    ray,
+                    Pass {
+                        sweep,
+                        boxes,
+                        visit,
+                    },
+                ),
+            }
+            .break_value()
         })
     }
 
@@ -133,27 +176,15 @@ impl Scratch {
 }
 
 impl Sweep<'_> {
-    fn run<B>(mut self, mut visit: impl FnMut(Flip) -> ControlFlow<B>) -> ControlFlow<B> {
-        for position in 0..self.tree.unbounded {
-            self.load(position);
-        }
-        let boxes = self.tree.tree.as_ref().map(|tree| {
-            self.scratch.frontier.push(Frontier {
-                t: f32::NEG_INFINITY,
-                link: tree.root(),
-            });
-            let ray = TreeRay::new(self.ray, tree.center, tree.extent);
-            Boxes {
-                tree,
-                start: ray.box_start(self.ray.tmin),
-                end: ray.box_limit(self.ray.tmax),
-                ray,
-            }
-        });
+    /// `advance` loads every leaf that may have an event before the next one ends.
+    #[inline(always)]
+    fn run<B>(
+        mut self,
+        mut visit: impl FnMut(Flip) -> ControlFlow<B>,
+        advance: impl Fn(&mut Self),
+    ) -> ControlFlow<B> {
         loop {
-            if let Some(boxes) = &boxes {
-                self.advance(boxes);
-            }
+            advance(&mut self);
             let Some(Pending(first)) = self.scratch.events.pop() else {
                 return ControlFlow::Continue(());
             };
@@ -169,57 +200,45 @@ impl Sweep<'_> {
         }
     }
 
-    /// Loads every leaf that may have an event before the next one ends.
-    fn advance(&mut self, boxes: &Boxes) {
-        let mut limit = self.limit(boxes);
-        while let Some(next) = self.scratch.frontier.peek()
-            && next.t <= limit
+    #[inline(always)]
+    fn advance<K: Kernel<N>, const N: usize>(&mut self, front: &Front<'_, K, N>) {
+        let mut limit = self.limit(&front.ray);
+        // Whatever holds the start comes before everything else.
+        let near = |waiting: Waiting, limit: f32| {
+            let t = f32::from_bits((waiting >> 32) as u32);
+            t <= front.start || t <= limit
+        };
+        while let Some(&Reverse(next)) = self.scratch.frontier.peek()
+            && near(next, limit)
         {
-            let mut link = next.link;
             self.scratch.frontier.pop();
+            let mut link = next as u32;
             loop {
-                if link.count > 0 {
-                    for position in link.first..link.first + link.count {
-                        self.load(self.tree.unbounded + position);
-                    }
-                    limit = self.limit(boxes);
+                if link & LEAF != 0 {
+                    self.load(self.tree.unbounded + (link & !LEAF));
+                    limit = self.limit(&front.ray);
                     break;
                 }
-                let (entries, children) =
-                    (boxes.tree).children(link, &boxes.ray, boxes.start, boxes.end);
-                // Whatever holds the start comes before everything else.
-                let [a, b] = entries.map(|t| match t {
-                    Some(t) if t <= boxes.start => f32::NEG_INFINITY,
-                    Some(t) => t,
-                    None => f32::INFINITY,
-                });
-                let side = usize::from(b < a);
-                let (near, far) = (a.min(b), a.max(b));
-                if far < f32::INFINITY {
-                    self.scratch.frontier.push(Frontier {
-                        t: far,
-                        link: children[1 - side],
-                    });
-                }
-                if near == f32::INFINITY {
+                let mut room = Children::new();
+                let children =
+                    (front.walk).children(front.kernel, link, &front.boxes, front.end, &mut room);
+                let Some((&nearest, others)) = children.split_last() else {
+                    break;
+                };
+                (self.scratch.frontier).extend(others.iter().map(|&child| Reverse(child)));
+                if !near(nearest, limit) {
+                    self.scratch.frontier.push(Reverse(nearest));
                     break;
                 }
-                if near > limit {
-                    self.scratch.frontier.push(Frontier {
-                        t: near,
-                        link: children[side],
-                    });
-                    break;
-                }
-                link = children[side];
+                link = nearest as u32;
             }
         }
     }
 
     /// What lies behind cannot belong to the next event.
-    fn limit(&self, boxes: &Boxes) -> f32 {
+    fn limit(&self, ray: &TreeRay) -> f32 {
         let next = self.scratch.events.peek();
-        next.map_or(f32::INFINITY, |next| boxes.ray.box_limit(next.0.latest()))
+        next.map_or(f32::INFINITY, |next| ray.box_limit(next.0.latest()))
     }
 
     fn load(&mut self, position: u32) {
@@ -349,13 +368,7 @@ impl Sweep<'_> {
     }
 }
 
-// The greatest of a heap is to be the nearest.
-impl Ord for Frontier {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.t.total_cmp(&self.t)
-    }
-}
-
+// The greatest of a heap is to be the earliest.
 impl Ord for Pending {
     fn cmp(&self, other: &Self) -> Ordering {
         let (a, b) = (&self.0, &other.0);
@@ -379,4 +392,4 @@ macro_rules! ordered_by_cmp {
         impl Eq for $name {}
     )*};
 }
-ordered_by_cmp!(Frontier, Pending);
+ordered_by_cmp!(Pending);

@@ -1,8 +1,8 @@
 use glam::DVec3;
 
-use crate::accel::ray::TreeRay;
+use crate::accel::ray::{TreeRay, fits_kernels};
 use crate::accel::triangle::{Triangle, TriangleHit};
-use crate::accel::wide::{Entrant, Kernel, Next, RAYS, Task, Traffic, Walk};
+use crate::accel::wide::{Block, Entrant, Kernel, Next, RAYS, Task, Traffic, Walk};
 use crate::math::Ray;
 
 use super::{MeshTree, ones};
@@ -83,7 +83,7 @@ impl<R: Rays> Traffic for Flights<'_, R> {
     fn enter(&mut self, slot: usize) -> Option<Entrant> {
         loop {
             let (index, ray) = self.rays.next()?;
-            if !self.mesh.fits_kernels(&ray) {
+            if !fits_kernels(&ray, self.mesh.center, self.mesh.extent) {
                 if let Some((hit, primitive)) = self.mesh.intersect(&ray, ray.tmax) {
                     self.rays.hit(index, hit, primitive);
                 }
@@ -134,6 +134,16 @@ impl<R: Rays> Traffic for Flights<'_, R> {
         } else {
             Next::To(ray.box_limit(flight.limit))
         }
+    }
+
+    #[inline(always)]
+    fn leaves(&self) -> (*const u8, usize, usize) {
+        let leaves = &*self.mesh.leaves;
+        (
+            leaves.as_ptr().cast(),
+            size_of::<Block>(),
+            size_of_val(leaves),
+        )
     }
 
     #[inline(always)]

@@ -17,7 +17,7 @@ pub(super) type Stack = [MaybeUninit<Waiting>; STACK];
 
 /// A subtree that waits: in the upper half the bits of where the ray enters it, not above that; in the lower half
 /// the link.
-pub(super) type Waiting = u64;
+pub(in crate::accel) type Waiting = u64;
 
 /// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
 /// that it is written for.

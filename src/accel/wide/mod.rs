@@ -10,15 +10,19 @@ mod block;
 mod collapse;
 mod kernel;
 mod node;
+mod pages;
 mod portable;
 mod stream;
 
 pub(super) use block::{Block, LANES};
 pub(super) use kernel::Kernel;
+pub(super) use pages::Pages;
 pub(super) use stream::{Entrant, Next, RAYS, Traffic};
 
+use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 
 use super::build;
@@ -28,6 +32,8 @@ use super::ray::TreeRay;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
+pub(super) use kernel::Waiting;
+pub(super) use node::LEAF;
 use node::Node;
 use portable::Portable;
 
@@ -41,8 +47,8 @@ pub(super) struct WideTree {
 
 #[derive(Debug)]
 enum Nodes {
-    Eight(Vec<Node<8>>),
-    Sixteen(Vec<Node<16>>),
+    Eight(Pages<Node<8>>),
+    Sixteen(Pages<Node<16>>),
 }
 
 /// What each leaf holds: leaf `i` has the primitives `order[starts[i]..starts[i + 1]]`.
@@ -80,10 +86,49 @@ impl<const N: usize> Walk<'_, N> {
         kernel::traverse(kernel, self, ray, start, limit, visit)
     }
 
+    /// Where to start from.
+    #[inline(always)]
+    pub(super) fn root(self) -> u32 {
+        self.root
+    }
+
+    /// The children that the ray meets before `limit`, far ones first.
+    #[inline(always)]
+    pub(super) fn children<'b, K: Kernel<N>>(
+        self,
+        kernel: K,
+        node: u32,
+        boxes: &K::Boxes,
+        limit: f32,
+        room: &'b mut Children,
+    ) -> &'b [Waiting] {
+        let top = room.0.as_mut_ptr().cast::<Waiting>();
+        // SAFETY: links of a tree lead to its nodes; there is room for all that `push` writes, which is at least what it
+        // says.
+        unsafe {
+            let node = self.nodes.get_unchecked(node as usize);
+            let count = kernel.push(node, boxes, limit, top);
+            std::slice::from_raw_parts(top, count)
+        }
+    }
+
     /// Walks many rays at once.
     #[inline(always)]
     pub(super) fn stream<K: Kernel<N>>(self, kernel: K, traffic: &mut impl Traffic) {
         stream::stream(kernel, self, traffic);
+    }
+}
+
+/// Room for the children of a node.
+pub(super) struct Children([MaybeUninit<Waiting>; 2 * MOST]);
+
+/// The most children that a node has.
+const MOST: usize = 16;
+
+impl Children {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self([MaybeUninit::uninit(); 2 * MOST])
     }
 }
 
@@ -101,13 +146,13 @@ impl WideTree {
         boxes: &[Aabb],
         most: u32,
         options: AccelOptions,
-        hold: impl Fn(Vec<Node<N>>) -> Nodes,
+        hold: impl Fn(Pages<Node<N>>) -> Nodes,
     ) -> (Self, Leaves) {
         let collapsed = build::binary(boxes, options.quality, |bvh| {
             collapse::collapse::<N>(bvh, most)
         });
         let tree = Self {
-            nodes: hold(collapsed.nodes),
+            nodes: hold(Pages::new(collapsed.nodes.len(), |i| collapsed.nodes[i])),
             root: collapsed.root,
             kernel: options.kernel,
         };
@@ -121,8 +166,8 @@ impl WideTree {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         match &self.nodes {
-            Nodes::Eight(nodes) => size_of_val(nodes.as_slice()),
-            Nodes::Sixteen(nodes) => size_of_val(nodes.as_slice()),
+            Nodes::Eight(nodes) => size_of_val(&**nodes),
+            Nodes::Sixteen(nodes) => size_of_val(&**nodes),
         }
     }
 
@@ -150,11 +195,37 @@ impl WideTree {
         }
     }
 
+    /// Visits the leaves whose boxes hold `p`, in no particular order.
+    pub(super) fn around(&self, p: DVec3, visit: impl FnMut(u32)) {
+        match &self.nodes {
+            Nodes::Eight(nodes) => around(self.walk(nodes), p, visit),
+            Nodes::Sixteen(nodes) => around(self.walk(nodes), p, visit),
+        }
+    }
+
     fn walk<'a, const N: usize>(&self, nodes: &'a [Node<N>]) -> Walk<'a, N> {
         Walk {
             nodes,
             root: self.root,
         }
+    }
+}
+
+fn around<const N: usize>(walk: Walk<'_, N>, p: DVec3, mut visit: impl FnMut(u32)) {
+    let p = p.to_array();
+    let mut waiting = vec![walk.root];
+    while let Some(link) = waiting.pop() {
+        if link & LEAF != 0 {
+            visit(link & !LEAF);
+            continue;
+        }
+        let node = &walk.nodes[link as usize];
+        let holds = |lane: usize, axis: usize| {
+            let [min, max] = [0, 1].map(|side| f64::from(node.planes[side][axis][lane]));
+            min <= p[axis] && p[axis] <= max
+        };
+        let lanes = (0..N).filter(|&lane| (0..3).all(|axis| holds(lane, axis)));
+        waiting.extend(lanes.map(|lane| node.children[lane]));
     }
 }
 

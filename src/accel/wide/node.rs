@@ -1,7 +1,8 @@
+use bytemuck::{Pod, Zeroable};
 use obvhs::aabb::Aabb;
 
 /// Set in a link to a leaf; the rest is its index.
-pub(super) const LEAF: u32 = 1 << 31;
+pub(in crate::accel) const LEAF: u32 = 1 << 31;
 
 /// The boxes of up to `N` children as planes, and links to them.
 ///
@@ -14,6 +15,10 @@ pub(in crate::accel) struct Node<const N: usize> {
     /// Index of a node, or of a leaf with [`LEAF`] set.
     pub children: [u32; N],
 }
+
+// SAFETY: numbers without padding (N is 8 or 16), any bits of which are some.
+unsafe impl<const N: usize> Zeroable for Node<N> {}
+unsafe impl<const N: usize> Pod for Node<N> {}
 
 impl<const N: usize> Node<N> {
     /// Without children.
