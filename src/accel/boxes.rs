@@ -7,7 +7,7 @@ use crate::math::{Bounds, Ray};
 
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
-use super::wide::{Kernel, Task, Walk, WideTree};
+use super::wide::{Entrant, Kernel, Task, Walk, WideTree};
 
 /// A wide tree over boxes in f64, one a leaf.
 #[derive(Debug)]
@@ -54,17 +54,41 @@ impl BoxTree {
     /// Runs a task for `ray` with the tree's kernel, or the portable one where f32 cannot hold the ray.
     #[inline]
     pub(super) fn run<T: Task>(&self, ray: &Ray, task: T) -> T::Output {
-        if fits_kernels(ray, self.center, self.extent) {
+        if self.fits_kernels(ray) {
             self.tree.run(task)
         } else {
             self.tree.run_portable(task)
         }
     }
 
+    /// Runs a task for many rays, with the tree's kernel.
+    pub(super) fn run_all<T: Task>(&self, task: T) -> T::Output {
+        self.tree.run(task)
+    }
+
     /// `ray` as this tree sees it.
     #[inline(always)]
     pub(super) fn local_ray(&self, ray: &Ray) -> TreeRay {
         TreeRay::new(ray, self.center, self.extent)
+    }
+
+    /// `ray` at the root on its way to `tmax`.
+    #[inline(always)]
+    pub(super) fn entrant<const N: usize>(&self, ray: &Ray, tmax: f64) -> Entrant<'_, N> {
+        let local = self.local_ray(ray);
+        Entrant {
+            walk: self.tree.nodes(),
+            start: local.box_start(ray.tmin),
+            limit: local.box_limit(tmax),
+            ray: local,
+            leaves: None,
+        }
+    }
+
+    /// Whether kernels take `ray`.
+    #[inline]
+    pub(super) fn fits_kernels(&self, ray: &Ray) -> bool {
+        fits_kernels(ray, self.center, self.extent)
     }
 
     /// Visits the leaves whose boxes the ray meets before `tmax`, nearest first as far as boxes tell. `visit` answers

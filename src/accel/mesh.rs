@@ -1,5 +1,3 @@
-mod batch;
-
 use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3, Vec3, Vec3A};
@@ -13,9 +11,7 @@ use crate::math::{Bounds, Ray};
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, Kernel, LANES, Pages, Task, Walk, WideTree};
-
-pub(super) use batch::Rays;
+use super::wide::{Block, Entrant, Kernel, LANES, Pages, Task, Walk, WideTree};
 
 /// What building a mesh's tree found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,7 +142,7 @@ impl MeshTree {
             ray,
             tmax,
         };
-        if fits_kernels(ray, self.center, self.extent) {
+        if self.fits_kernels(ray) {
             self.tree.run(task)
         } else {
             self.tree.run_portable(task)
@@ -157,11 +153,62 @@ impl MeshTree {
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let task = Any { mesh: self, ray };
-        if fits_kernels(ray, self.center, self.extent) {
+        if self.fits_kernels(ray) {
             self.tree.run(task)
         } else {
             self.tree.run_portable(task)
         }
+    }
+
+    /// `ray`, of the mesh's space, at the root of the tree on its way to `tmax`.
+    #[inline(always)]
+    pub(super) fn entrant<const N: usize>(&self, ray: &Ray, tmax: f64) -> Entrant<'_, N> {
+        let local = TreeRay::new(ray, self.center, self.extent);
+        let far = size_of_val(&*self.leaves) > FAR;
+        Entrant {
+            walk: self.tree.nodes(),
+            start: local.box_start(ray.tmin),
+            limit: local.box_limit(tmax),
+            ray: local,
+            leaves: far.then(|| (self.leaves.as_ptr().cast(), size_of::<Block>())),
+        }
+    }
+
+    /// Offers the hits of the ray, of the mesh's space, in a leaf at which it is as `entrant`.
+    #[inline(always)]
+    pub(super) fn visit<K: Kernel<N>, const N: usize>(
+        &self,
+        kernel: K,
+        entrant: &Entrant<'_, N>,
+        ray: &Ray,
+        leaf: u32,
+        mut offer: impl FnMut(TriangleHit, u32),
+    ) {
+        let local = &entrant.ray;
+        let block = &self.leaves[leaf as usize];
+        let corners = kernel.corners(local, entrant.start);
+        let mask = kernel.candidates(block, &corners, entrant.limit);
+        if mask == 0 {
+            return;
+        }
+        let exact = local.exact(ray, self.center);
+        for lane in ones(mask) {
+            if let Some(hit) = Triangle::intersect(&exact, block.corners_along(lane, local.axes)) {
+                offer(hit, block.primitives[lane]);
+            }
+        }
+    }
+
+    /// Runs a task on the tree.
+    #[inline]
+    pub(super) fn run<T: Task>(&self, task: T) -> T::Output {
+        self.tree.run(task)
+    }
+
+    /// Whether kernels take `ray`, of the mesh's space.
+    #[inline]
+    pub(super) fn fits_kernels(&self, ray: &Ray) -> bool {
+        fits_kernels(ray, self.center, self.extent)
     }
 
     /// Every crossing with `t > ray.tmin`, in no order. A closed mesh is entered as often as it is left along a whole
@@ -323,6 +370,9 @@ impl<F: FnMut(u32)> Task for Visit<'_, F> {
         };
     }
 }
+
+/// Trees of so many bytes are read from afar, and asking ahead pays.
+const FAR: usize = 16 << 20;
 
 /// The places of the bits that are set.
 #[inline(always)]

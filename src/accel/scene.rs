@@ -1,3 +1,5 @@
+mod batch;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -9,7 +11,7 @@ use crate::math::{Bounds, Ray, Transform};
 
 use super::boxes::BoxTree;
 use super::csg::{CsgTree, ROUNDING, mesh_trees};
-use super::mesh::{MeshReport, MeshTree, Rays};
+use super::mesh::{MeshReport, MeshTree};
 use super::options::AccelOptions;
 use super::triangle::TriangleHit;
 
@@ -225,61 +227,6 @@ impl Accel {
         .is_break()
     }
 
-    /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
-    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        assert_eq!(rays.len(), hits.len());
-        if self.tree.is_some() {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.intersect(ray);
-            }
-            return;
-        }
-        hits.fill(None);
-        for &instance in &self.always {
-            if let Shape::Mesh(id) = self.placed[instance as usize].shape {
-                self.meshes[id.0 as usize].intersect_batch(&mut MeshRays {
-                    accel: self,
-                    instance,
-                    rays,
-                    next: 0,
-                    hits,
-                });
-                continue;
-            }
-            for (ray, hit) in rays.iter().zip(&mut *hits) {
-                let limit = hit.map_or(ray.tmax, |hit| hit.t);
-                *hit = self.intersect_one(instance, ray, limit).or(*hit);
-            }
-        }
-    }
-
-    /// Whether each ray is blocked, as [`Accel::occluded`] says it, into `blocked` of the same length.
-    pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
-        assert_eq!(rays.len(), blocked.len());
-        if self.tree.is_some() {
-            for (ray, blocked) in rays.iter().zip(blocked) {
-                *blocked = self.occluded(ray);
-            }
-            return;
-        }
-        blocked.fill(false);
-        for &instance in &self.always {
-            if let Shape::Mesh(id) = self.placed[instance as usize].shape {
-                self.meshes[id.0 as usize].occluded_batch(&mut ShadowRays {
-                    accel: self,
-                    instance,
-                    rays,
-                    next: 0,
-                    blocked,
-                });
-                continue;
-            }
-            for (ray, blocked) in rays.iter().zip(&mut *blocked) {
-                *blocked = *blocked || self.occludes(instance, ray);
-            }
-        }
-    }
-
     /// `ray` in the space of `instance`.
     #[inline]
     fn local_ray(&self, instance: u32, ray: &Ray) -> Ray {
@@ -348,63 +295,6 @@ impl Accel {
             Shape::Solid(solid) => solid.closest(local).is_some(),
             Shape::Csg(id) => self.csg(id).occluded(local),
         }
-    }
-}
-
-/// Rays on their way through a mesh, each up to the hit that it has.
-struct MeshRays<'a> {
-    accel: &'a Accel,
-    instance: u32,
-    rays: &'a [Ray],
-    next: usize,
-    hits: &'a mut [Option<Hit>],
-}
-
-impl Rays for MeshRays<'_> {
-    #[inline(always)]
-    fn next(&mut self) -> Option<(usize, Ray)> {
-        let index = self.next;
-        let ray = self.rays.get(index)?;
-        self.next += 1;
-        let mut ray = self.accel.local_ray(self.instance, ray);
-        if let Some(hit) = &self.hits[index] {
-            ray.tmax = hit.t;
-        }
-        Some((index, ray))
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, index: usize, hit: TriangleHit, primitive: u32) {
-        self.hits[index] = Some(Hit::of_triangle(&hit, primitive, self.instance));
-    }
-}
-
-/// Rays of which is asked whether anything is in their way.
-struct ShadowRays<'a> {
-    accel: &'a Accel,
-    instance: u32,
-    rays: &'a [Ray],
-    next: usize,
-    blocked: &'a mut [bool],
-}
-
-impl Rays for ShadowRays<'_> {
-    #[inline(always)]
-    fn next(&mut self) -> Option<(usize, Ray)> {
-        while *self.blocked.get(self.next)? {
-            self.next += 1;
-        }
-        let index = self.next;
-        self.next += 1;
-        Some((
-            index,
-            self.accel.local_ray(self.instance, &self.rays[index]),
-        ))
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, index: usize, _hit: TriangleHit, _primitive: u32) {
-        self.blocked[index] = true;
     }
 }
 

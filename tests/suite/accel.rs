@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use solidtrace::accel::{Accel, Placed};
+use solidtrace::accel::{Accel, AccelOptions, Hit, Kernel, Placed, Quality};
 use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
 use solidtrace::math::{Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
@@ -118,6 +118,67 @@ fn closest_and_any_hit_equal_brute_force_over_everything() {
         }
     }
     assert!(hits > 5000, "{hits}");
+}
+
+/// The same rays one by one and all at once, by each kernel and over trees of each quality.
+fn in_every_way(
+    meshes: &[Mesh],
+    crowd: &[Placed],
+    rays: &[Ray],
+    mut check: impl FnMut(&str, &[Option<Hit>], &[bool]),
+) {
+    for kernel in Kernel::available() {
+        for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
+            let options = AccelOptions { quality, kernel };
+            let accel = Accel::build_with(meshes, &[], crowd.to_vec(), options).unwrap();
+            let name = format!("{} {quality:?}", kernel.name());
+            let one_by_one: Vec<_> = rays.iter().map(|ray| accel.intersect(ray)).collect();
+            let blocked: Vec<bool> = rays.iter().map(|ray| accel.occluded(ray)).collect();
+            check(&name, &one_by_one, &blocked);
+            let mut hits = vec![None; rays.len()];
+            let mut blocked = vec![true; rays.len()];
+            accel.intersect_batch(rays, &mut hits);
+            accel.occluded_batch(rays, &mut blocked);
+            check(&format!("{name} at once"), &hits, &blocked);
+        }
+    }
+}
+
+#[test]
+fn every_kernel_gives_the_same_hits_to_the_bit_one_by_one_and_in_batches() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    let (meshes, crowd) = crowd(&mut rng);
+    // With a tree of shapes; with few shapes; with one mesh.
+    for (first, count) in [(0, 61), (0, 4), (2, 1)] {
+        let crowd = &crowd[first..first + count];
+        let around = |p: &Placed| p.world_from_object.point(DVec3::ZERO);
+        let rays: Vec<Ray> = (0..4_000)
+            .map(|i| {
+                let to = around(&crowd[i % crowd.len()]) + random_direction(&mut rng);
+                let origin = 10.0 * random_direction(&mut rng);
+                let mut ray = Ray::new(origin, (to - origin) * rng.random_range(0.1..10.0));
+                match i % 8 {
+                    0 => ray.tmax = rng.random_range(0.0..1.0),
+                    1 => ray.tmin = -rng.random_range(0.0..10.0),
+                    2 => ray = Ray::new(origin + 1e20 * ray.direction, -ray.direction),
+                    3 => ray.direction *= 1e-200,
+                    4 => ray.direction = DVec3::AXES[i / 8 % 3],
+                    _ => {}
+                }
+                ray
+            })
+            .collect();
+        let mut first: Option<Vec<Option<Hit>>> = None;
+        in_every_way(&meshes, crowd, &rays, |name, hits, blocked| {
+            let expected = first.get_or_insert_with(|| hits.to_vec());
+            for (i, (hit, blocked)) in hits.iter().zip(blocked).enumerate() {
+                assert_eq!(hit, &expected[i], "{name}: {:?}", rays[i]);
+                assert_eq!(hit.is_some(), *blocked, "{name}: {:?}", rays[i]);
+            }
+        });
+        let hits = first.unwrap().iter().flatten().count();
+        assert!(hits > 600, "{hits}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use crate::accel::build::MAX_DEPTH;
 
+use super::kernel::MOST_WAITING;
 use super::node::{LEAF, Node};
 
 /// What a step into a node costs beside one into a leaf, which tests all its primitives at once.
@@ -25,7 +26,7 @@ pub(super) struct Collapsed<const N: usize> {
 
 /// Makes of a binary tree the cheapest one with up to `N` children a node and up to `most` primitives a leaf, by the
 /// dynamic program of Ylitie, Karras and Laine 2017, section 4.1. `None` where the binary tree is deeper than
-/// [`MAX_DEPTH`].
+/// [`MAX_DEPTH`], or more than [`MOST_WAITING`] subtrees could have to wait for a ray.
 pub(super) fn collapse<const N: usize>(bvh: &Bvh2, most: u32) -> Option<Collapsed<N>> {
     let program = Program {
         bvh,
@@ -41,9 +42,10 @@ pub(super) fn collapse<const N: usize>(bvh: &Bvh2, most: u32) -> Option<Collapse
         starts: Vec::with_capacity(bvh.primitive_indices.len() / 4),
         order: Vec::with_capacity(bvh.primitive_indices.len()),
     };
-    out.root = program.emit(0, &mut out);
+    let waiting;
+    (out.root, waiting) = program.emit(0, &mut out);
     out.starts.push(out.order.len() as u32);
-    Some(out)
+    (waiting <= MOST_WAITING).then_some(out)
 }
 
 struct Program<'a, const N: usize> {
@@ -124,8 +126,9 @@ impl<const N: usize> Program<'_, N> {
         })
     }
 
-    /// Writes the subtree at `index` behind what is there; returns the link to it.
-    fn emit(&self, index: u32, out: &mut Collapsed<N>) -> u32 {
+    /// Writes the subtree at `index` behind what is there; returns the link to it, and how many subtrees may have to
+    /// wait for a ray in it.
+    fn emit(&self, index: u32, out: &mut Collapsed<N>) -> (u32, usize) {
         let node = &self.bvh.nodes[index as usize];
         let children = if node.is_leaf() {
             0
@@ -135,18 +138,20 @@ impl<const N: usize> Program<'_, N> {
         if children == 0 {
             out.starts.push(out.order.len() as u32);
             self.primitives(node, &mut out.order);
-            return LEAF | (out.starts.len() - 1) as u32;
+            return (LEAF | (out.starts.len() - 1) as u32, 0);
         }
         let mut parts = [0; N];
         let mut len = 0;
         self.parts(index, children, &mut parts, &mut len);
         let place = out.nodes.len();
         out.nodes.push(Node::EMPTY);
+        let mut waiting = 0;
         for (lane, &part) in parts[..len].iter().enumerate() {
-            let link = self.emit(part, out);
+            let (link, below) = self.emit(part, out);
+            waiting = waiting.max(below);
             out.nodes[place].set(lane, &self.bvh.nodes[part as usize].aabb, link);
         }
-        place as u32
+        (place as u32, waiting + len - 1)
     }
 
     /// Adds the subtrees, at most `count`, that the one at `index` becomes.

@@ -7,8 +7,11 @@ use super::Walk;
 use super::block::Block;
 use super::node::{LEAF, Node};
 
-/// Entries that a traversal may have to keep: with up to 15 for each level of the deepest tree there are 960.
-pub(super) const STACK: usize = 1024;
+/// The most subtrees of one tree that a ray may leave to wait; trees are built so.
+pub(super) const MOST_WAITING: usize = 480;
+
+/// Entries of a stack: for two levels of trees, with what kernels write beyond the last.
+pub(super) const STACK: usize = 2 * MOST_WAITING + 64;
 
 /// No link.
 pub(super) const NONE: u32 = u32::MAX;

@@ -17,8 +17,9 @@ mod stream;
 pub(super) use block::{Block, LANES};
 pub(super) use kernel::Kernel;
 pub(super) use pages::Pages;
-pub(super) use stream::{Entrant, Next, RAYS, Traffic};
+pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
 
+use std::any::Any;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
@@ -111,12 +112,6 @@ impl<const N: usize> Walk<'_, N> {
             std::slice::from_raw_parts(top, count)
         }
     }
-
-    /// Walks many rays at once.
-    #[inline(always)]
-    pub(super) fn stream<K: Kernel<N>>(self, kernel: K, traffic: &mut impl Traffic) {
-        stream::stream(kernel, self, traffic);
-    }
 }
 
 /// Room for the children of a node.
@@ -201,6 +196,20 @@ impl WideTree {
             Nodes::Eight(nodes) => around(self.walk(nodes), p, visit),
             Nodes::Sixteen(nodes) => around(self.walk(nodes), p, visit),
         }
+    }
+
+    /// The nodes, for work with the same kernel on another tree.
+    ///
+    /// # Panics
+    /// Where `N` is that of another kernel.
+    #[inline(always)]
+    pub(super) fn nodes<const N: usize>(&self) -> Walk<'_, N> {
+        let nodes: &dyn Any = match &self.nodes {
+            Nodes::Eight(nodes) => nodes,
+            Nodes::Sixteen(nodes) => nodes,
+        };
+        let nodes: &Pages<Node<N>> = nodes.downcast_ref().expect("one kernel for all trees");
+        self.walk(nodes)
     }
 
     fn walk<'a, const N: usize>(&self, nodes: &'a [Node<N>]) -> Walk<'a, N> {

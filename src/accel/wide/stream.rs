@@ -9,180 +9,246 @@ use super::node::{LEAF, Node};
 /// Rays under way at once: while one waits for memory or for its own last result, others go on.
 pub(in crate::accel) const RAYS: usize = 16;
 
-/// The link at the bottom of each stack.
+/// The link below all that waits in a tree.
 const DONE: u32 = u32::MAX;
 
 /// A ray made ready for a tree, with the part of it that matters in units of the box test.
-pub(in crate::accel) struct Entrant {
+pub(in crate::accel) struct Entrant<'a, const N: usize> {
+    pub walk: Walk<'a, N>,
     pub ray: TreeRay,
     pub start: f32,
     pub limit: f32,
+    /// Where the leaves stand and how far apart, for a tree so large that they are fetched ahead.
+    pub leaves: Option<(*const u8, usize)>,
 }
 
 /// What a ray does after a leaf.
-pub(in crate::accel) enum Next {
+pub(in crate::accel) enum Next<'a, const N: usize> {
     /// It goes on.
     On,
     /// It goes on to this limit.
     To(f32),
+    /// It goes through a tree in this leaf first.
+    Down(Entrant<'a, N>),
     /// It has seen enough.
     Stop,
 }
 
-/// Many rays, and what they find.
-pub(in crate::accel) trait Traffic {
+/// Many rays, and what they find in a tree, or in a tree of trees.
+pub(in crate::accel) trait Traffic<'a, const N: usize> {
     /// The next ray, which is to be number `slot` of those under way.
-    fn enter(&mut self, slot: usize) -> Option<Entrant>;
+    fn enter(&mut self, slot: usize) -> Option<Entrant<'a, N>>;
 
     /// Number `slot` is at a leaf.
-    fn visit<K: Kernel<N>, const N: usize>(
+    fn visit<K: Kernel<N>>(
         &mut self,
         kernel: K,
         slot: usize,
-        entrant: &Entrant,
+        entrant: &Entrant<'a, N>,
         leaf: u32,
-    ) -> Next;
+    ) -> Next<'a, N>;
 
-    /// Where the leaves stand, how far apart, and how many bytes they take.
-    fn leaves(&self) -> (*const u8, usize, usize);
+    /// Number `slot` comes back from a tree in a leaf.
+    fn rise(&mut self, slot: usize) -> Entrant<'a, N>;
 
     /// Number `slot` has seen all that it meets, and its place is free.
     fn leave(&mut self, slot: usize);
 }
 
-struct Slot {
-    entrant: Entrant,
+struct Slot<'a, const N: usize> {
+    entrant: Entrant<'a, N>,
     link: u32,
-    /// Entries on the stack below `link`.
-    len: u32,
+    /// Entries on the stack below `link`: behind [`DONE`] at `floor` those of the tree that the ray is in.
+    len: usize,
+    floor: usize,
     stack: [MaybeUninit<Waiting>; STACK],
 }
 
-/// Walks many rays through a tree, [`RAYS`] at a time: in turns, those at a node take a step and those at a leaf visit it.
+/// The slots at a node and those at a leaf.
+struct Turns {
+    at_node: [u8; RAYS + 1],
+    nodes: usize,
+    at_leaf: [u8; RAYS + 1],
+    leaves: usize,
+}
+
+impl Turns {
+    /// Written to both lists, of which one grows: rays go either way at random, and a branch would cost more.
+    #[inline(always)]
+    fn put(&mut self, slot: u8, link: u32) {
+        let leaf = (link >> 31) as usize;
+        self.at_node[self.nodes] = slot;
+        self.nodes += 1 - leaf;
+        self.at_leaf[self.leaves] = slot;
+        self.leaves += leaf;
+    }
+}
+
+impl<'a, const N: usize> Slot<'a, N> {
+    fn place(&mut self, entrant: Entrant<'a, N>) {
+        self.link = entrant.walk.root;
+        self.entrant = entrant;
+    }
+
+    #[inline(always)]
+    fn top(&mut self) -> *mut Waiting {
+        self.stack.as_mut_ptr().cast()
+    }
+
+    /// Takes the nearest of what waits.
+    ///
+    /// # Safety
+    /// Entries from `floor` to `len` have been written.
+    #[inline(always)]
+    unsafe fn pop(&mut self) {
+        unsafe { self.link = *self.top().add(self.len) as u32 };
+        self.len = self.len.wrapping_sub(1);
+    }
+
+    /// Forgets what waits beyond the limit in the tree that the ray is in.
+    ///
+    /// # Safety
+    /// As [`Slot::pop`].
+    #[inline(always)]
+    unsafe fn cut(&mut self) {
+        let bits = self.entrant.limit.max(0.0).to_bits();
+        let stack = self.top();
+        let mut kept = self.floor;
+        for i in self.floor + 1..=self.len {
+            unsafe {
+                let waiting = *stack.add(i);
+                *stack.add(kept + 1) = waiting;
+                kept += usize::from((waiting >> 32) as u32 <= bits);
+            }
+        }
+        self.len = kept;
+    }
+
+    /// Asks for the cache lines of where the ray goes next, which need not be there.
+    #[inline(always)]
+    fn fetch(&self) {
+        let Some(leaves) = self.entrant.leaves else {
+            return;
+        };
+        let nodes = (
+            self.entrant.walk.nodes.as_ptr().cast::<u8>(),
+            size_of::<Node<N>>(),
+        );
+        let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
+        let place = base.wrapping_add((self.link & !LEAF) as usize * size);
+        #[cfg(target_arch = "x86_64")]
+        for line in 0..LINES {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a prefetch of any address does no harm.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(64 * line).cast()) };
+        }
+    }
+}
+
+/// Cache lines that a step reads: 5 of a leaf, 7 of a node of 16.
+#[cfg(target_arch = "x86_64")]
+const LINES: usize = 6;
+
+/// Walks many rays through trees, [`RAYS`] at a time: in turns, those at a node take a step and those at a leaf visit
+/// it.
 #[inline(always)]
 #[allow(
     clippy::large_stack_arrays,
     reason = "128 KiB, of which few pages are used, for batches of thousands"
 )]
-pub(super) fn stream<K: Kernel<N>, const N: usize>(
+pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
     kernel: K,
-    walk: Walk<'_, N>,
-    traffic: &mut impl Traffic,
+    traffic: &mut impl Traffic<'a, N>,
 ) {
-    let mut slots = [const { MaybeUninit::<Slot>::uninit() }; RAYS];
-    let slots = slots.as_mut_ptr().cast::<Slot>();
-    let (mut at_node, mut nodes) = ([0_u8; RAYS + 1], 0);
-    let (mut at_leaf, mut leaves) = ([0_u8; RAYS + 1], 0);
-    let (leaves_at, leaf_size, leaf_bytes) = traffic.leaves();
-    let far = leaf_bytes > FAR;
-    let places = [
-        (walk.nodes.as_ptr().cast::<u8>(), size_of::<Node<N>>()),
-        (leaves_at, leaf_size),
-    ];
-    // SAFETY: slots below `RAYS` are only read after `admit` has written them; `push` has the room of a stack that is
-    // never fuller than the tree's depth allows, above the `len` entries written before.
-    unsafe {
-        let admit = |traffic: &mut _, i: usize| -> bool {
-            let Some(entrant) = Traffic::enter(traffic, i) else {
-                return false;
-            };
-            let slot = slots.add(i);
-            (&raw mut (*slot).entrant).write(entrant);
-            (*slot).link = walk.root;
-            (*slot).len = 0;
-            // For when nothing is left.
-            (*slot).stack[0].write(u64::from(DONE));
-            true
+    let mut slots = [const { MaybeUninit::<Slot<'a, N>>::uninit() }; RAYS];
+    let mut turns = Turns {
+        at_node: [0; RAYS + 1],
+        nodes: 0,
+        at_leaf: [0; RAYS + 1],
+        leaves: 0,
+    };
+    for (i, slot) in slots.iter_mut().enumerate() {
+        let Some(entrant) = traffic.enter(i) else {
+            break;
         };
-        for i in 0..RAYS {
-            if !admit(traffic, i) {
-                break;
-            }
-            let leaf = usize::from(walk.root & LEAF != 0);
-            at_node[nodes] = i as u8;
-            nodes += 1 - leaf;
-            at_leaf[leaves] = i as u8;
-            leaves += leaf;
+        turns.put(i as u8, entrant.walk.root);
+        let slot = slot.as_mut_ptr();
+        // SAFETY: fields of a slot that is not in use yet; the stack's other entries are written before they are read.
+        unsafe {
+            (&raw mut (*slot).link).write(entrant.walk.root);
+            (&raw mut (*slot).entrant).write(entrant);
+            (&raw mut (*slot).len).write(0);
+            (&raw mut (*slot).floor).write(0);
+            (*slot).stack[0].write(u64::from(DONE));
         }
-        while nodes + leaves > 0 {
-            let waiting = std::mem::take(&mut nodes);
-            for k in 0..waiting {
-                let i = at_node[k];
+    }
+    let slots = slots.as_mut_ptr().cast::<Slot<'a, N>>();
+    while turns.nodes + turns.leaves > 0 {
+        for k in 0..std::mem::take(&mut turns.nodes) {
+            let i = turns.at_node[k];
+            // SAFETY: only slots that were admitted have turns. Links lead to nodes of the slot's tree, and stacks are
+            // never fuller than trees are built for.
+            unsafe {
                 let slot = &mut *slots.add(i as usize);
-                let Entrant { ray, start, limit } = &slot.entrant;
-                let boxes = kernel.boxes(ray, *start);
+                let Entrant {
+                    walk,
+                    ray,
+                    start,
+                    limit,
+                    ..
+                } = &slot.entrant;
                 let node = walk.nodes.get_unchecked(slot.link as usize);
-                let stack = slot.stack.as_mut_ptr().cast::<Waiting>();
-                let count = kernel.push(node, &boxes, *limit, stack.add(slot.len as usize + 1));
-                let top = slot.len as usize + count;
-                slot.link = *stack.add(top) as u32;
-                slot.len = top.wrapping_sub(1) as u32;
-                let leaf = (slot.link >> 31) as usize;
-                if far {
-                    fetch(places[leaf], slot.link & !LEAF);
-                }
-                at_node[nodes] = i;
-                nodes += 1 - leaf;
-                at_leaf[leaves] = i;
-                leaves += leaf;
+                let boxes = kernel.boxes(ray, *start);
+                let limit = *limit;
+                let top = slot.top().add(slot.len + 1);
+                slot.len += kernel.push(node, &boxes, limit, top);
+                slot.pop();
+                slot.fetch();
+                turns.put(i, slot.link);
             }
-            let waiting = std::mem::take(&mut leaves);
-            for k in 0..waiting {
-                let i = at_leaf[k];
+        }
+        for k in 0..std::mem::take(&mut turns.leaves) {
+            let i = turns.at_leaf[k];
+            // SAFETY: as above; all entries up to `len` were written.
+            unsafe {
                 let slot = &mut *slots.add(i as usize);
-                let stack = slot.stack.as_mut_ptr().cast::<Waiting>();
-                if slot.link == DONE {
+                if slot.link == DONE && slot.floor == 0 {
                     traffic.leave(i as usize);
-                    if !admit(traffic, i as usize) {
+                    let Some(entrant) = traffic.enter(i as usize) else {
                         continue;
-                    }
+                    };
+                    slot.len = 0;
+                    slot.place(entrant);
+                } else if slot.link == DONE {
+                    slot.floor = 0;
+                    slot.entrant = traffic.rise(i as usize);
+                    slot.cut();
+                    slot.pop();
                 } else {
-                    match traffic.visit(kernel, i as usize, &slot.entrant, slot.link & !LEAF) {
-                        Next::On => {}
+                    let leaf = slot.link & !LEAF;
+                    match traffic.visit(kernel, i as usize, &slot.entrant, leaf) {
+                        Next::On => slot.pop(),
                         Next::To(limit) => {
                             slot.entrant.limit = limit;
-                            let bits = limit.max(0.0).to_bits();
-                            let mut kept = 0;
-                            for at in 1..=slot.len as usize {
-                                let waiting = *stack.add(at);
-                                stack.add(kept + 1).write(waiting);
-                                kept += usize::from((waiting >> 32) as u32 <= bits);
-                            }
-                            slot.len = kept as u32;
+                            slot.cut();
+                            slot.pop();
                         }
-                        Next::Stop => slot.len = 0,
+                        Next::Down(entrant) => {
+                            slot.len += 1;
+                            slot.floor = slot.len;
+                            *slot.top().add(slot.len) = u64::from(DONE);
+                            slot.place(entrant);
+                        }
+                        Next::Stop => {
+                            slot.len = 0;
+                            slot.floor = 0;
+                            slot.pop();
+                        }
                     }
-                    let top = slot.len as usize;
-                    slot.link = *stack.add(top) as u32;
-                    slot.len = top.wrapping_sub(1) as u32;
                 }
-                let leaf = (slot.link >> 31) as usize;
-                if far {
-                    fetch(places[leaf], slot.link & !LEAF);
-                }
-                at_node[nodes] = i;
-                nodes += 1 - leaf;
-                at_leaf[leaves] = i;
-                leaves += leaf;
+                slot.fetch();
+                turns.put(i, slot.link);
             }
         }
     }
 }
-
-/// Trees of so many bytes are read from afar, and asking ahead pays.
-const FAR: usize = 16 << 20;
-
-/// Asks for the cache lines of element `index` of an array, which need not be there.
-#[inline(always)]
-fn fetch((base, size): (*const u8, usize), index: u32) {
-    #[cfg(target_arch = "x86_64")]
-    for line in 0..LINES {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let place = base.wrapping_add(index as usize * size + 64 * line);
-        // SAFETY: a prefetch of any address does no harm.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(place.cast()) };
-    }
-}
-
-/// Cache lines that a step reads: 5 of a leaf, 7 of a node of 16.
-const LINES: usize = 6;
