@@ -4,7 +4,9 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
+use rayon::prelude::*;
 
+use super::alike::{alike, mix};
 use super::options::Quality;
 
 /// Good trees in time linear in the input. Pre-splits are off: they gain nothing on scans.
@@ -21,15 +23,123 @@ const fn params(quality: Quality, leaf: u32) -> BvhBuildParams {
     }
 }
 
-/// Builds a binary tree with one primitive a leaf over `boxes`, at least one, all finite, and makes `T` of it; of another one where
-/// the tree is too deep for that.
+/// Builds a binary tree with one primitive a leaf over `boxes`, at least one, all finite, and makes `T` of it; of
+/// another one where the tree is too deep for that.
 pub(super) fn binary<T>(boxes: &[Aabb], quality: Quality, make: impl Fn(&Bvh2) -> Option<T>) -> T {
-    let bvh = build_bvh2(
-        boxes,
-        params(quality, 1),
-        &mut std::time::Duration::default(),
-    );
-    make(&bvh).unwrap_or_else(|| make(&halved(boxes)).expect("depth log2(n)"))
+    make(&build_distinct(boxes, params(quality, 1)))
+        .unwrap_or_else(|| make(&halved(boxes)).expect("depth log2(n)"))
+}
+
+/// Builds over boxes of which many may be equal: obvhs would make a chain of those, in quadratic time.
+fn build_distinct(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
+    let mut time = std::time::Duration::default();
+    if makes_chains(boxes, params) {
+        return halved(boxes);
+    }
+    let groups = equal_boxes(boxes);
+    if groups.is_empty() {
+        return build_bvh2(boxes, params, &mut time);
+    }
+    // Each group is built as its first member.
+    let mut members: Vec<&[u32]> = vec![&[]; boxes.len()];
+    let mut later = vec![false; boxes.len()];
+    for group in &groups {
+        members[group[0] as usize] = group;
+        for &i in &group[1..] {
+            later[i as usize] = true;
+        }
+    }
+    let distinct: Vec<u32> = (0..boxes.len() as u32)
+        .filter(|&i| !later[i as usize])
+        .collect();
+    let few: Vec<Aabb> = distinct.iter().map(|&i| boxes[i as usize]).collect();
+    let params = BvhBuildParams {
+        max_prims_per_leaf: 1,
+        ..params
+    };
+    let mut bvh = build_bvh2(&few, params, &mut time);
+    for i in &mut bvh.primitive_indices {
+        *i = distinct[*i as usize];
+    }
+    // A leaf of a group becomes a balanced tree over its members.
+    for leaf in 0..bvh.nodes.len() {
+        let node = bvh.nodes[leaf];
+        if !node.is_leaf() {
+            continue;
+        }
+        let group = members[bvh.primitive_indices[node.first_index as usize] as usize];
+        let mut todo = vec![(leaf, group)];
+        while let Some((place, group)) = todo.pop() {
+            if let [] | [_] = group {
+                if let [i] = group {
+                    bvh.nodes[place].first_index = bvh.primitive_indices.len() as u32;
+                    bvh.primitive_indices.push(*i);
+                }
+                continue;
+            }
+            let first = bvh.nodes.len();
+            bvh.nodes[place].prim_count = 0;
+            bvh.nodes[place].first_index = first as u32;
+            bvh.nodes.extend([node; 2]);
+            let (a, b) = group.split_at(group.len() / 2);
+            todo.extend([(first, a), (first + 1, b)]);
+        }
+    }
+    bvh
+}
+
+/// Whether boxes are such, mostly nested in one another, that obvhs makes a chain of them, in quadratic time: a sample
+/// of them then makes one too.
+fn makes_chains(boxes: &[Aabb], params: BvhBuildParams) -> bool {
+    if boxes.len() < 2 * SAMPLE {
+        return false;
+    }
+    let step = boxes.len() as f64 / SAMPLE as f64;
+    let sample: Vec<Aabb> = (0..SAMPLE)
+        .map(|i| boxes[(i as f64 * step) as usize])
+        .collect();
+    let groups = equal_boxes(&sample);
+    let equal: usize = groups.iter().map(|group| group.len() - 1).sum();
+    if equal > SAMPLE / 2 {
+        return false;
+    }
+    let bvh = build_bvh2(&sample, params, &mut std::time::Duration::default());
+    // (node, depth)
+    let mut todo = vec![(0_u32, 0_usize)];
+    let mut deepest = 0;
+    while let Some((index, depth)) = todo.pop() {
+        deepest = deepest.max(depth);
+        let node = &bvh.nodes[index as usize];
+        if !node.is_leaf() {
+            todo.extend([
+                (node.first_index, depth + 1),
+                (node.first_index + 1, depth + 1),
+            ]);
+        }
+    }
+    deepest > MAX_DEPTH + equal
+}
+
+/// Boxes that show what the others are like.
+const SAMPLE: usize = 4096;
+
+/// Groups of boxes that are equal, of at least two each.
+fn equal_boxes(boxes: &[Aabb]) -> Vec<Vec<u32>> {
+    let bits = |b: &Aabb| [b.min, b.max].map(|p| p.to_array().map(f32::to_bits));
+    let hashes: Vec<u64> = (boxes.par_iter())
+        .map(|b| {
+            let [min, max] = bits(b).map(mix);
+            min ^ max.rotate_left(23)
+        })
+        .collect();
+    let mut suspects: Vec<([[u32; 3]; 2], u32)> = (alike(&hashes).into_par_iter())
+        .map(|i| (bits(&boxes[i as usize]), i))
+        .collect();
+    suspects.par_sort_unstable();
+    (suspects.chunk_by(|a, b| a.0 == b.0))
+        .filter(|same| same.len() > 1)
+        .map(|same| same.iter().map(|(_, i)| *i).collect())
+        .collect()
 }
 
 /// Halves the primitives at the median of the widest axis of their centres: not the fastest rays, but depth log2(n)
@@ -102,11 +212,7 @@ pub(super) fn build(boxes: &[Aabb], leaf: u32) -> Topology {
             order: vec![0],
         };
     }
-    let bvh = build_bvh2(
-        boxes,
-        params(Quality::Balanced, leaf),
-        &mut std::time::Duration::default(),
-    );
+    let bvh = build_distinct(boxes, params(Quality::Balanced, leaf));
     from_obvhs(&bvh)
         .or_else(|| from_obvhs(&halved(boxes)))
         .expect("depth log2(n)")
@@ -163,6 +269,31 @@ mod tests {
         }
         let [a, b] = topology.children[link.first as usize];
         1 + depth(topology, a).max(depth(topology, b))
+    }
+
+    #[test]
+    fn a_tree_over_boxes_of_which_some_are_equal_holds_each_once() {
+        let boxes: Vec<Aabb> = (0..5000_u32)
+            .map(|i| {
+                let at =
+                    Vec3A::splat((i % 7 * (i % 3)) as f32 + if i > 4000 { i as f32 } else { 0.0 });
+                Aabb::new(at, at + 1.0)
+            })
+            .collect();
+        let topology = build(&boxes, 4);
+        assert!(depth(&topology, topology.root) <= MAX_DEPTH);
+        let mut order = topology.order.clone();
+        order.sort_unstable();
+        assert!(order.iter().copied().eq(0..5000));
+        let mut links = vec![topology.root];
+        let mut held = 0;
+        while let Some(link) = links.pop() {
+            held += link.count;
+            if link.count == 0 {
+                links.extend(topology.children[link.first as usize]);
+            }
+        }
+        assert_eq!(held, 5000);
     }
 
     #[test]

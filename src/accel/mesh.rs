@@ -1,3 +1,5 @@
+mod choice;
+
 use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3, Vec3, Vec3A};
@@ -11,6 +13,8 @@ use crate::math::{Bounds, Ray};
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
+use choice::{cornered, distinct};
+
 use super::wide::{Block, Entrant, Kernel, LANES, Pages, Task, Walk, WideTree};
 
 /// What building a mesh's tree found.
@@ -128,9 +132,7 @@ impl MeshTree {
             extent,
             bounds,
             report,
-            dropped: (0..mesh.triangles.len() as u32)
-                .filter(|i| kept.binary_search(i).is_err())
-                .collect(),
+            dropped: left_out(&kept, mesh.triangles.len() as u32),
         })
     }
 
@@ -386,6 +388,14 @@ fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
+/// The numbers below `count` that are not in `kept`, which ascends.
+fn left_out(kept: &[u32], count: u32) -> Vec<u32> {
+    let mut kept = kept.iter().peekable();
+    (0..count)
+        .filter(|i| kept.next_if_eq(&i).is_none())
+        .collect()
+}
+
 /// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again.
 /// Where an axis lies far from 0 against its length that is its middle, by Sterbenz's lemma (within a
 /// factor of two, differences are exact); elsewhere 0, and coordinates are of the size of the box.
@@ -397,56 +407,6 @@ fn exact_center(bounds: &Bounds) -> DVec3 {
         let exact = min * max > 0.0 && 2.0 * near >= middle.abs() && far <= 2.0 * middle.abs();
         if exact { middle } else { 0.0 }
     }))
-}
-
-/// The triangles with an area, the first of each set with equal corners, in order.
-fn distinct(mesh: &Mesh) -> (Vec<u32>, MeshReport) {
-    let with_area: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .into_par_iter()
-        .filter(|&i| {
-            let [a, b, c] = mesh.corners(i).map(Vec3::as_dvec3);
-            (b - a).cross(c - a) != DVec3::ZERO
-        })
-        .collect();
-    // Equal corners in any order: sorted, they are equal keys, and the lowest index comes first.
-    let mut keys: Vec<([[u32; 3]; 3], u32)> = with_area
-        .par_iter()
-        .map(|&i| {
-            // Adding 0 makes -0 and 0 one.
-            let mut key = mesh
-                .corners(i)
-                .map(|p| (p + Vec3::ZERO).to_array().map(f32::to_bits));
-            key.sort_unstable();
-            (key, i)
-        })
-        .collect();
-    keys.par_sort_unstable();
-    keys.dedup_by(|later, earlier| later.0 == earlier.0);
-    let mut kept: Vec<u32> = keys.into_iter().map(|(_, i)| i).collect();
-    kept.par_sort_unstable();
-    let report = MeshReport {
-        triangles: kept.len(),
-        degenerate: mesh.triangles.len() - with_area.len(),
-        duplicate: with_area.len() - kept.len(),
-        bytes: 0,
-    };
-    (kept, report)
-}
-
-/// The triangles whose corners differ.
-fn cornered(mesh: &Mesh) -> (Vec<u32>, MeshReport) {
-    let kept: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .filter(|&i| {
-            let [a, b, c] = mesh.corners(i);
-            a != b && b != c && c != a
-        })
-        .collect();
-    let report = MeshReport {
-        triangles: kept.len(),
-        degenerate: mesh.triangles.len() - kept.len(),
-        ..MeshReport::default()
-    };
-    (kept, report)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! one over its operands.
 //! Planes have no bounds and stand in a list beside the tree.
 
+mod alike;
 mod boxes;
 mod build;
 mod csg;

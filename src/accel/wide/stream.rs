@@ -23,6 +23,7 @@ pub(in crate::accel) struct Entrant<'a, const N: usize> {
 }
 
 /// What a ray does after a leaf.
+#[allow(clippy::large_enum_variant, reason = "it is used at once")]
 pub(in crate::accel) enum Next<'a, const N: usize> {
     /// It goes on.
     On,
