@@ -85,6 +85,13 @@ fn build_distinct(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
             todo.extend([(first, a), (first + 1, b)]);
         }
     }
+    // The slots of the groups' first members are left over.
+    let mut order = Vec::with_capacity(boxes.len());
+    for leaf in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let slot = std::mem::replace(&mut leaf.first_index, order.len() as u32);
+        order.push(bvh.primitive_indices[slot as usize]);
+    }
+    bvh.primitive_indices = order;
     bvh
 }
 
