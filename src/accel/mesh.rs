@@ -332,21 +332,21 @@ impl Task for Any<'_> {
         let local = TreeRay::new(ray, mesh.center, mesh.extent);
         let (start, end) = (local.box_start(ray.tmin), local.box_limit(ray.tmax));
         let corners = kernel.corners(&local, start);
-        let outcome = {
-            walk.traverse(kernel, &local, start, end, |leaf| {
-                let block = &mesh.leaves[leaf as usize];
-                for lane in ones(kernel.candidates(block, &corners, end)) {
-                    let hit = Triangle::intersect(
-                        &local.exact(ray, mesh.center),
-                        block.corners_along(lane, local.axes),
-                    );
-                    if hit.is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax) {
-                        return ControlFlow::Break(());
-                    }
-                }
-                ControlFlow::Continue(end)
-            })
-        };
+        let outcome = walk.traverse_any(kernel, &local, start, end, |leaf| {
+            let block = &mesh.leaves[leaf as usize];
+            let (certain, mask) = kernel.certain(block, &corners, end);
+            let hit = |lane: usize| {
+                let exact = local.exact(ray, mesh.center);
+                let corners = block.corners_along(lane, local.axes);
+                Triangle::intersect(&exact, corners)
+                    .is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax)
+            };
+            if certain || ones(mask).any(hit) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
         outcome.is_break()
     }
 }

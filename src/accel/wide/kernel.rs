@@ -61,6 +61,25 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         top: *mut Waiting,
     ) -> usize;
 
+    /// As [`Kernel::enter`], with the children in any order.
+    #[inline(always)]
+    fn enter_any(
+        self,
+        node: &Node<N>,
+        boxes: &Self::Boxes,
+        limit: f32,
+        stack: &mut Stack,
+        len: &mut usize,
+    ) -> u32 {
+        self.enter(node, boxes, limit, stack, len)
+    }
+
+    /// Whether one of the triangles is certainly hit between the start and `limit`, and as [`Kernel::candidates`].
+    #[inline(always)]
+    fn certain(self, block: &Block, corners: &Self::Corners, limit: f32) -> (bool, u32) {
+        (false, self.candidates(block, corners, limit))
+    }
+
     /// A bit for each triangle that is not certainly missed, or certainly hit before the start or beyond `limit`.
     fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;
 }
@@ -68,7 +87,7 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
 /// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets a
 /// leaf's index and answers with the new limit, or breaks.
 #[inline(always)]
-pub(super) fn traverse<K: Kernel<N>, const N: usize>(
+pub(super) fn traverse<K: Kernel<N>, const N: usize, const SORTED: bool>(
     kernel: K,
     walk: Walk<'_, N>,
     ray: &TreeRay,
@@ -84,7 +103,11 @@ pub(super) fn traverse<K: Kernel<N>, const N: usize>(
         while link & LEAF == 0 {
             // SAFETY: links of a tree lead to its nodes.
             let node = unsafe { walk.nodes.get_unchecked(link as usize) };
-            link = kernel.enter(node, &boxes, limit, &mut stack, &mut len);
+            link = if SORTED {
+                kernel.enter(node, &boxes, limit, &mut stack, &mut len)
+            } else {
+                kernel.enter_any(node, &boxes, limit, &mut stack, &mut len)
+            };
         }
         if link != NONE {
             limit = visit(link & !LEAF)?;

@@ -84,7 +84,22 @@ impl<const N: usize> Walk<'_, N> {
         limit: f32,
         visit: impl FnMut(u32) -> ControlFlow<(), f32>,
     ) -> ControlFlow<()> {
-        kernel::traverse(kernel, self, ray, start, limit, visit)
+        kernel::traverse::<K, N, true>(kernel, self, ray, start, limit, visit)
+    }
+
+    /// [`Walk::traverse`] in any order and to one limit.
+    #[inline(always)]
+    pub(super) fn traverse_any<K: Kernel<N>>(
+        self,
+        kernel: K,
+        ray: &TreeRay,
+        start: f32,
+        limit: f32,
+        mut visit: impl FnMut(u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        kernel::traverse::<K, N, false>(kernel, self, ray, start, limit, |leaf| {
+            visit(leaf).map_continue(|()| limit)
+        })
     }
 
     /// Where to start from.
