@@ -201,6 +201,28 @@ impl MeshTree {
         }
     }
 
+    /// Whether a triangle of a leaf, at which the ray is as `entrant`, is in its way.
+    #[inline(always)]
+    pub(super) fn blocks<K: Kernel<N>, const N: usize>(
+        &self,
+        kernel: K,
+        entrant: &Entrant<'_, N>,
+        ray: &Ray,
+        leaf: u32,
+    ) -> bool {
+        let local = &entrant.ray;
+        let block = &self.leaves[leaf as usize];
+        let corners = kernel.corners(local, entrant.start);
+        let (certain, mask) = kernel.certain(block, &corners, entrant.limit);
+        certain
+            || ones(mask).any(|lane| {
+                let exact = local.exact(ray, self.center);
+                let corners = block.corners_along(lane, local.axes);
+                Triangle::intersect(&exact, corners)
+                    .is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax)
+            })
+    }
+
     /// Runs a task on the tree.
     #[inline]
     pub(super) fn run<T: Task>(&self, task: T) -> T::Output {

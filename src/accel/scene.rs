@@ -227,26 +227,17 @@ impl Accel {
         .is_break()
     }
 
-    /// `ray` in the space of `instance`.
+    /// `ray` in the space of `instance`, where that is not the world's.
     #[inline]
-    fn local_ray(&self, instance: u32, ray: &Ray) -> Ray {
-        if self.moved[instance as usize] {
-            let placed = &self.placed[instance as usize];
-            placed.world_from_object.inverse_ray(ray)
-        } else {
-            *ray
-        }
+    fn moved_ray(&self, instance: u32, ray: &Ray) -> Option<Ray> {
+        let placed = &self.placed[instance as usize];
+        self.moved[instance as usize].then(|| placed.world_from_object.inverse_ray(ray))
     }
 
     fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {
         let placed = &self.placed[instance as usize];
-        let moved;
-        let local = if self.moved[instance as usize] {
-            moved = placed.world_from_object.inverse_ray(ray);
-            &moved
-        } else {
-            ray
-        };
+        let moved = self.moved_ray(instance, ray);
+        let local = moved.as_ref().unwrap_or(ray);
         let ending = || Ray { tmax, ..*local };
         match placed.shape {
             Shape::Mesh(id) => {
@@ -283,13 +274,8 @@ impl Accel {
 
     fn occludes(&self, instance: u32, ray: &Ray) -> bool {
         let placed = &self.placed[instance as usize];
-        let moved;
-        let local = if self.moved[instance as usize] {
-            moved = placed.world_from_object.inverse_ray(ray);
-            &moved
-        } else {
-            ray
-        };
+        let moved = self.moved_ray(instance, ray);
+        let local = moved.as_ref().unwrap_or(ray);
         match placed.shape {
             Shape::Mesh(id) => self.meshes[id.0 as usize].occluded(local),
             Shape::Solid(solid) => solid.closest(local).is_some(),

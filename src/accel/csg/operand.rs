@@ -160,6 +160,7 @@ impl Leaf {
             inverse: &map.inverse,
             ray,
             local: &local,
+            distance: local.origin.length(),
         };
         match &form.kind {
             Kind::Solid(solid) => {
@@ -234,6 +235,8 @@ struct Certainty<'a> {
     inverse: &'a DMat3,
     ray: &'a Ray,
     local: &'a Ray,
+    /// Of the operand's origin to the ray's.
+    distance: f64,
 }
 
 impl Certainty<'_> {
@@ -256,7 +259,7 @@ impl Certainty<'_> {
         if t.is_infinite() {
             return 0.0;
         }
-        let off = (self.form).uncertainty(moved, self.local.origin.length(), n);
+        let off = (self.form).uncertainty(moved, self.distance, n);
         (off / n.dot(self.local.direction).abs()).min(chord)
     }
 }

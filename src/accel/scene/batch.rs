@@ -1,5 +1,3 @@
-use glam::DVec3;
-
 use crate::accel::mesh::MeshTree;
 use crate::accel::wide::{Entrant, Kernel, Next, RAYS, Task, Traffic, Walk, stream};
 use crate::geometry::Shape;
@@ -99,12 +97,11 @@ impl Task for Stream<'_> {
             found: self.found,
             slots: [Flight {
                 index: 0,
+                limit: 0.0,
+                blocked: false,
                 mesh: None,
                 instance: 0,
-                local: Ray::new(DVec3::ZERO, DVec3::X),
-                limit: 0.0,
-                best: None,
-                blocked: false,
+                moved: None,
             }; RAYS],
         };
         stream(kernel, &mut flights);
@@ -125,14 +122,14 @@ struct Flights<'a, 'f> {
 #[derive(Clone, Copy)]
 struct Flight<'a> {
     index: usize,
-    /// The mesh that it is in, whose, and itself in that one's space; `None` in the tree of all.
+    limit: f64,
+    /// Whether something is in its way, where only that is asked.
+    blocked: bool,
+    /// The mesh that it is in, and whose; `None` in the tree of all.
     mesh: Option<&'a MeshTree>,
     instance: u32,
-    local: Ray,
-    limit: f64,
-    best: Option<Hit>,
-    /// Whether a shape without triangles is in its way, where only that is asked.
-    blocked: bool,
+    /// Itself in that one's space, where that is another one.
+    moved: Option<Ray>,
 }
 
 impl<'a> Flights<'a, '_> {
@@ -141,14 +138,14 @@ impl<'a> Flights<'a, '_> {
     #[inline(always)]
     fn dive<const N: usize>(&mut self, slot: usize, instance: u32) -> Option<Entrant<'a, N>> {
         let flight = &mut self.slots[slot];
-        let ray = &self.rays[flight.index];
         if let Some(mesh) = self.accel.mesh_of(instance) {
-            let local = self.accel.local_ray(instance, ray);
-            if mesh.fits_kernels(&local) {
+            let ray = &self.rays[flight.index];
+            flight.moved = self.accel.moved_ray(instance, ray);
+            let local = flight.moved.as_ref().unwrap_or(ray);
+            if mesh.fits_kernels(local) {
                 flight.mesh = Some(mesh);
                 flight.instance = instance;
-                flight.local = local;
-                return Some(mesh.entrant(&local, flight.limit));
+                return Some(mesh.entrant(local, flight.limit));
             }
         }
         self.meet(slot, instance);
@@ -160,39 +157,37 @@ impl<'a> Flights<'a, '_> {
     fn meet(&mut self, slot: usize, instance: u32) {
         let flight = &mut self.slots[slot];
         let ray = &self.rays[flight.index];
-        if matches!(self.found, Found::Any(_)) {
-            flight.blocked |= self.accel.occludes(instance, ray);
-            return;
-        }
-        let limit = flight.limit.next_up();
-        if let Some(hit) = self.accel.intersect_one(instance, ray, limit) {
-            flight.offer(hit.t, (instance, hit.primitive), || hit);
-        }
-    }
-
-    /// Writes down what number `slot` found.
-    #[inline(always)]
-    fn land(&mut self, slot: usize) {
-        let flight = &self.slots[slot];
         match &mut self.found {
-            Found::Closest(hits) => hits[flight.index] = flight.best,
-            Found::Any(blocked) => {
-                blocked[flight.index] = flight.blocked || flight.best.is_some();
+            Found::Any(_) => flight.blocked |= self.accel.occludes(instance, ray),
+            Found::Closest(hits) => {
+                let limit = flight.limit.next_up();
+                if let Some(hit) = self.accel.intersect_one(instance, ray, limit)
+                    && is_nearer(&hit, flight.limit, hits[flight.index].as_ref())
+                {
+                    flight.limit = hit.t;
+                    hits[flight.index] = Some(hit);
+                }
             }
         }
     }
 }
 
-impl Flight<'_> {
-    /// Takes a hit that is closer, or as close and of a lower instance and primitive.
+impl Flights<'_, '_> {
+    /// Writes down what number `slot` found.
     #[inline(always)]
-    fn offer(&mut self, t: f64, place: (u32, u32), hit: impl FnOnce() -> Hit) {
-        let tie = |best: Hit| t == self.limit && place < (best.instance, best.primitive);
-        if t < self.limit || self.best.is_some_and(tie) {
-            self.limit = t;
-            self.best = Some(hit());
+    fn land(&mut self, slot: usize) {
+        if let Found::Any(blocked) = &mut self.found {
+            let flight = &self.slots[slot];
+            blocked[flight.index] = flight.blocked;
         }
     }
+}
+
+/// Whether `hit` is before the limit, or there and of a lower instance or primitive than the best so far.
+#[inline(always)]
+fn is_nearer(hit: &Hit, limit: f64, best: Option<&Hit>) -> bool {
+    let place = |hit: &Hit| (hit.instance, hit.primitive);
+    hit.t < limit || hit.t == limit && best.is_some_and(|best| place(hit) < place(best))
 }
 
 impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
@@ -202,26 +197,25 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
             let index = self.next;
             let ray = self.rays.get(index)?;
             self.next += 1;
-            let best = match &self.found {
-                Found::Closest(hits) => hits[index],
-                Found::Any(blocked) if blocked[index] => continue,
-                Found::Any(_) => None,
-            };
             let flight = &mut self.slots[slot];
             flight.index = index;
             flight.mesh = None;
-            flight.limit = best.map_or(ray.tmax, |hit| hit.t);
-            flight.best = best;
             flight.blocked = false;
+            flight.limit = match &self.found {
+                Found::Closest(hits) => hits[index].as_ref().map_or(ray.tmax, |hit| hit.t),
+                Found::Any(blocked) if blocked[index] => continue,
+                Found::Any(_) => ray.tmax,
+            };
             let entrant = match (self.instance, &self.accel.tree) {
                 (Some(instance), _) => self.dive(slot, instance),
                 (None, Some((tree, _))) if tree.fits_kernels(ray) => {
                     Some(tree.entrant(ray, flight.limit))
                 }
                 (None, _) => {
-                    let any = matches!(self.found, Found::Any(_));
-                    flight.blocked = any && self.accel.occluded(ray);
-                    flight.best = if any { None } else { self.accel.intersect(ray) };
+                    match &mut self.found {
+                        Found::Closest(hits) => hits[index] = self.accel.intersect(ray),
+                        Found::Any(_) => flight.blocked = self.accel.occluded(ray),
+                    }
                     None
                 }
             };
@@ -243,14 +237,23 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
         let flight = &mut self.slots[slot];
         let before = flight.limit;
         if let Some(mesh) = flight.mesh {
-            let (local, instance) = (flight.local, flight.instance);
-            mesh.visit(kernel, entrant, &local, leaf, |hit, primitive| {
-                if hit.t > local.tmin {
-                    flight.offer(hit.t, (instance, primitive), || {
-                        Hit::of_triangle(&hit, primitive, instance)
+            let local = flight.moved.as_ref().unwrap_or(&self.rays[flight.index]);
+            match &mut self.found {
+                Found::Any(_) => {
+                    flight.blocked = mesh.blocks(kernel, entrant, local, leaf);
+                }
+                Found::Closest(hits) => {
+                    let best = &mut hits[flight.index];
+                    let limit = &mut flight.limit;
+                    mesh.visit(kernel, entrant, local, leaf, |hit, primitive| {
+                        let hit = Hit::of_triangle(&hit, primitive, flight.instance);
+                        if hit.t > local.tmin && is_nearer(&hit, *limit, best.as_ref()) {
+                            *limit = hit.t;
+                            *best = Some(hit);
+                        }
                     });
                 }
-            });
+            }
         } else {
             let (_, order) = self.accel.tree.as_ref().expect("it is in it");
             if let Some(entrant) = self.dive(slot, order[leaf as usize]) {
@@ -258,10 +261,10 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
             }
         }
         let flight = &self.slots[slot];
-        if flight.limit == before && !flight.blocked {
-            Next::On
-        } else if matches!(self.found, Found::Any(_)) {
+        if flight.blocked {
             Next::Stop
+        } else if flight.limit == before {
+            Next::On
         } else {
             Next::To(entrant.ray.box_limit(flight.limit))
         }
