@@ -30,6 +30,7 @@
 extern crate self as solidtrace;
 
 pub mod accel;
+pub mod bench;
 pub mod bsdf;
 pub mod camera;
 #[cfg(feature = "embree")]

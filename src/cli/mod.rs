@@ -1,5 +1,7 @@
 //! The command line, one file a subcommand. Messages go to stderr; stdout carries what was asked for.
 
+#[cfg(feature = "bench")]
+mod bench;
 mod info;
 mod progress;
 mod render;
@@ -11,6 +13,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+#[cfg(not(feature = "bench"))]
+use crate::error::Error;
 use crate::error::{ErrorKind, Place, Result};
 use crate::geometry::{CsgId, Shape};
 use crate::io::{OpenMeshOperands, ReadOptions, read_scene};
@@ -33,6 +37,19 @@ enum Command {
     Trace(trace::TraceArgs),
     /// Show what a scene or model holds
     Info(info::InfoArgs),
+    /// Race the ray engine against its peers over a scene's meshes
+    #[cfg(feature = "bench")]
+    #[command(
+        after_help = "Generated inputs: scan:70k, sphere:2M, slivers:100k (about so many triangles), instances:1000"
+    )]
+    Bench(bench::BenchArgs),
+    /// Race the ray engine against its peers (not in this build)
+    #[cfg(not(feature = "bench"))]
+    #[command(disable_help_flag = true)]
+    Bench {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        _args: Vec<std::ffi::OsString>,
+    },
 }
 
 /// What every subcommand reads.
@@ -114,6 +131,14 @@ pub fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Trace(args) => trace::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        #[cfg(feature = "bench")]
+        Command::Bench(args) => bench::run(&args).map(|()| ExitCode::SUCCESS),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench { .. } => Err(Error::new(
+            ErrorKind::Usage,
+            "this build has no Embree to race against",
+        )
+        .help("build with `tests/with-embree.sh cargo build --release --features bench`")),
     };
     outcome.unwrap_or_else(|error| {
         eprintln!("error: {error}");

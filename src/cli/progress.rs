@@ -93,3 +93,24 @@ impl Observer for Progress {
         interrupted() || self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 }
+
+/// Says on a terminal what is going on, and nothing elsewhere.
+#[cfg(feature = "bench")]
+pub(super) struct Status(ProgressBar);
+
+#[cfg(feature = "bench")]
+impl Status {
+    pub(super) fn new() -> Self {
+        // Where stderr is no terminal, indicatif draws nothing.
+        Self(ProgressBar::new_spinner())
+    }
+
+    pub(super) fn tell(&self, text: &str) {
+        self.0.set_message(text.to_owned());
+        self.0.tick();
+    }
+
+    pub(super) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}

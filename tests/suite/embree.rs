@@ -17,13 +17,17 @@ mod peer {
 
     use glam::{DAffine3, DVec3, Vec3};
     use rayon::prelude::*;
-    use solidtrace::embree::{EmbreeHit, EmbreeOptions, EmbreeScene, UserShape};
+    use solidtrace::embree::{
+        EmbreeHit, EmbreeOptions, EmbreePacket, EmbreeRay, EmbreeScene, UserShape,
+    };
     use solidtrace::geometry::Mesh;
     use solidtrace::math::{Bounds, Ray, Transform};
 
     const ROBUST: EmbreeOptions = EmbreeOptions {
         robust: true,
+        high_quality: false,
         threads: 1,
+        avx2: false,
     };
 
     fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
@@ -50,7 +54,11 @@ mod peer {
     #[test]
     fn a_triangle_is_hit_at_its_closed_form() {
         for robust in [false, true] {
-            let options = EmbreeOptions { robust, threads: 1 };
+            let options = EmbreeOptions {
+                robust,
+                threads: 1,
+                ..EmbreeOptions::default()
+            };
             let scene = EmbreeScene::new(&[(&triangle(), &Transform::IDENTITY)], options).unwrap();
             // (1, 1, 0) = p0 + 1/4 (p1 - p0) + 1/2 (p2 - p0)
             let expected = EmbreeHit {
@@ -220,5 +228,108 @@ mod peer {
             assert!((hit.t - 99.5).abs() < 1e-4, "{hit:?}");
             assert!(scene.occluded(&ray));
         });
+    }
+
+    /// The square from (-1, -1) to (1, 1) at height 0.
+    fn square() -> Mesh {
+        mesh(
+            &[[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]],
+            &[[0, 1, 2], [0, 2, 3]],
+        )
+    }
+
+    /// Downward rays on a 16 by 16 grid from (-1.875, -1.875) to (1.875, 1.875), with how high they start.
+    fn grid() -> (Vec<Ray>, Vec<f64>) {
+        let at = |i: u32| 0.25 * f64::from(i) - 1.875;
+        let points = (0..16).flat_map(|y| (0..16).map(move |x| DVec3::new(at(x), at(y), 0.0)));
+        let heights: Vec<f64> = (0..256).map(|i| 1.0 + f64::from(i)).collect();
+        let start = |(p, h): (DVec3, &f64)| Ray::new(p + *h * DVec3::Z, DVec3::NEG_Z);
+        (points.zip(&heights).map(start).collect(), heights)
+    }
+
+    fn meets_square(ray: &Ray) -> bool {
+        ray.origin.x.abs().max(ray.origin.y.abs()) < 1.0
+    }
+
+    #[test]
+    fn many_rays_at_once_are_answered_each_for_itself() {
+        let mesh = square();
+        let scene = EmbreeScene::new(&[(&mesh, &Transform::IDENTITY)], ROBUST).unwrap();
+        assert!(scene.report().bytes > 0);
+        let (rays, heights) = grid();
+        let short = rays
+            .iter()
+            .zip(&heights)
+            .enumerate()
+            .map(|(i, (ray, height))| Ray {
+                tmax: if i % 3 == 0 {
+                    0.5 * height
+                } else {
+                    f64::INFINITY
+                },
+                ..*ray
+            });
+        let rays: Vec<Ray> = short.collect();
+        let singles: Vec<EmbreeRay> = rays.iter().map(EmbreeRay::new).collect();
+        let packets: Vec<EmbreePacket> = rays.as_chunks().0.iter().map(EmbreePacket::new).collect();
+        let (mut distances, mut blocked) = ([[0.0; 256]; 2], [[false; 256]; 2]);
+        scene.intersect_all(&singles, &mut distances[0]);
+        scene.intersect_packets(&packets, &mut distances[1]);
+        scene.occluded_all(&singles, &mut blocked[0]);
+        scene.occluded_packets(&packets, &mut blocked[1]);
+        for (i, (ray, height)) in rays.iter().zip(&heights).enumerate() {
+            let hits = meets_square(ray) && ray.tmax > *height;
+            let distance = if hits { *height as f32 } else { f32::INFINITY };
+            assert_eq!(distances.map(|d| d[i]), [distance; 2], "{ray:?}");
+            assert_eq!(blocked.map(|b| b[i]), [hits; 2], "{ray:?}");
+        }
+    }
+
+    #[test]
+    fn small_numbers_are_themselves_again_after_many_rays() {
+        let mesh = square();
+        let scene = EmbreeScene::new(&[(&mesh, &Transform::IDENTITY)], ROBUST).unwrap();
+        let (rays, _) = grid();
+        let rays: Vec<EmbreeRay> = rays.iter().map(EmbreeRay::new).collect();
+        scene.intersect_all(&rays, &mut [0.0; 256]);
+        scene.occluded_all(&rays, &mut [false; 256]);
+        assert!(std::hint::black_box(f32::MIN_POSITIVE) * std::hint::black_box(0.5) > 0.0);
+    }
+
+    #[test]
+    fn instances_stand_where_their_transforms_say() {
+        let meshes = [
+            square(),
+            mesh(&[[9., 9., 9.], [9.5, 9., 9.], [9., 9.5, 9.]], &[[0, 1, 2]]),
+        ];
+        let at = |scale: f64, x: f64, z: f64| {
+            let map = DAffine3::from_scale(DVec3::splat(scale));
+            Transform::new(DAffine3::from_translation(DVec3::new(x, 0.0, z)) * map).unwrap()
+        };
+        let places = [
+            (0, at(0.5, 0.0, 3.0)),
+            (0, at(2.0, 0.0, 1.0)),
+            (1, at(1.0, 0.0, 0.0)),
+            (0, at(1.0, 9.0, -1.0)),
+        ];
+        for options in [
+            ROBUST,
+            EmbreeOptions {
+                high_quality: true,
+                ..ROBUST
+            },
+        ] {
+            let scene = EmbreeScene::of_instances(&meshes, &places, options).unwrap();
+            let hit = |x, y| {
+                scene
+                    .intersect(&Ray::new(DVec3::new(x, y, 10.0), DVec3::NEG_Z))
+                    .map(|hit| (hit.t, hit.geometry))
+            };
+            assert_eq!(hit(0.25, 0.3), Some((7.0, 0)));
+            assert_eq!(hit(0.75, 0.3), Some((9.0, 1)));
+            assert_eq!(hit(9.1, 9.1), Some((1.0, 2)));
+            assert_eq!(hit(9.1, 0.3), Some((11.0, 3)));
+            assert_eq!(hit(4.0, 0.3), None);
+        }
     }
 }

@@ -21,7 +21,9 @@ use crate::support::meshes::{moved, torus_mesh};
 
 const ROBUST: EmbreeOptions = EmbreeOptions {
     robust: true,
+    high_quality: false,
     threads: 1,
+    avx2: false,
 };
 
 /// The model's only mesh.

@@ -20,8 +20,12 @@
 
 #![allow(unsafe_code)]
 
-use std::ffi::{CString, c_void};
+mod batch;
+mod device;
+mod shapes;
+
 use std::ptr;
+use std::time::{Duration, Instant};
 
 use embree4_sys::{self as sys, RTCBufferType, RTCFormat};
 use glam::{DVec3, Vec3};
@@ -29,6 +33,10 @@ use glam::{DVec3, Vec3};
 use crate::error::{Error, Result};
 use crate::geometry::Mesh;
 use crate::math::{Bounds, Ray, Transform};
+
+pub use batch::{EmbreePacket, EmbreeRay};
+use device::{Device, Geometry, SceneHandle, failure};
+use shapes::{intersect_shape, occluded_by_shape, shape_bounds};
 
 /// Embree leaves out primitives with a coordinate of this magnitude or more (its `FLT_LARGE`).
 const LARGEST: f64 = 1.844e18;
@@ -38,8 +46,21 @@ const LARGEST: f64 = 1.844e18;
 pub struct EmbreeOptions {
     /// Whether to avoid the optimisations that can miss at edges (`RTC_SCENE_FLAG_ROBUST`).
     pub robust: bool,
+    /// Whether the build takes its time, and splits triangles (`RTC_BUILD_QUALITY_HIGH`).
+    pub high_quality: bool,
     /// Threads that build; 0 takes one a core. A query runs on the thread that asks.
     pub threads: usize,
+    /// Whether to use nothing beyond AVX2; else Embree takes what it finds best on the processor.
+    pub avx2: bool,
+}
+
+/// What building a scene's trees took, apart from the vertices and indices that they were built from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EmbreeReport {
+    /// Time spent in `rtcCommitScene`.
+    pub time: Duration,
+    /// Bytes that stay in use.
+    pub bytes: usize,
 }
 
 /// A closest hit.
@@ -51,7 +72,7 @@ pub struct EmbreeHit {
     pub u: f32,
     /// Barycentric weight of the triangle's third corner; 0 on a user shape.
     pub v: f32,
-    /// Index in the list of meshes; 0 on a user shape.
+    /// Index in the list of meshes or instances; 0 on a user shape.
     pub geometry: u32,
     /// Index of the triangle in its mesh, or of the user shape.
     pub primitive: u32,
@@ -70,8 +91,10 @@ pub trait UserShape: Send + Sync {
 
 /// A committed scene. Its queries may run on many threads at once.
 pub struct EmbreeScene {
-    scene: sys::RTCScene,
+    // Fields are dropped in order: what belongs to the device goes before it.
+    scene: SceneHandle,
     device: Device,
+    report: EmbreeReport,
     // Embree's callbacks hold the address of the elements: the list stays as it is as long as the scene.
     shapes: Vec<Box<dyn UserShape>>,
 }
@@ -89,6 +112,18 @@ struct RayHit {
     room: [u32; 4],
 }
 
+impl RayHit {
+    fn new(ray: sys::RTCRay) -> Self {
+        Self {
+            record: sys::RTCRayHit {
+                ray,
+                hit: sys::RTCHit::default(),
+            },
+            room: [0; 4],
+        }
+    }
+}
+
 impl EmbreeScene {
     /// Triangle meshes, each with its `world_from_object`. Vertices are f32: under the identity the mesh's own to
     /// the bit, else transformed in f64 and rounded once.
@@ -100,7 +135,35 @@ impl EmbreeScene {
         for (index, (mesh, transform)) in meshes.iter().enumerate() {
             mesh.validate()?;
             check_bounds("mesh", index, &transform.bounds(&mesh.bounds()))?;
-            scene.add_mesh(mesh, transform)?;
+            scene.scene.attach(&scene.mesh(mesh, transform)?);
+        }
+        scene.commit()
+    }
+
+    /// Triangle meshes with a tree each, and a tree over instances: index of a mesh and `world_from_object`, which
+    /// Embree keeps in f32.
+    ///
+    /// # Errors
+    /// As [`EmbreeScene::new`].
+    pub fn of_instances(
+        meshes: &[Mesh],
+        instances: &[(usize, Transform)],
+        options: EmbreeOptions,
+    ) -> Result<Self> {
+        let mut scene = Self::empty(options, Vec::new())?;
+        let mut below = Vec::with_capacity(meshes.len());
+        for (index, mesh) in meshes.iter().enumerate() {
+            mesh.validate()?;
+            check_bounds("mesh", index, &mesh.bounds())?;
+            let own = SceneHandle::new(&scene.device, options)?;
+            own.attach(&scene.mesh(mesh, &Transform::IDENTITY)?);
+            scene.report.add(&own, &scene.device);
+            below.push(own);
+        }
+        for (index, (mesh, transform)) in instances.iter().enumerate() {
+            let bounds = transform.bounds(&meshes[*mesh].bounds());
+            check_bounds("instance", index, &bounds)?;
+            scene.add_instance(&below[*mesh], transform)?;
         }
         scene.commit()
     }
@@ -118,25 +181,29 @@ impl EmbreeScene {
         scene.commit()
     }
 
+    /// What building it took.
+    pub fn report(&self) -> EmbreeReport {
+        self.report
+    }
+
     /// The closest hit between `tmin` and `tmax`, all of the ray rounded to f32. Whether a hit exactly at
     /// either end counts is left open by Embree.
     pub fn intersect(&self, ray: &Ray) -> Option<EmbreeHit> {
-        let mut query = RayHit {
-            record: sys::RTCRayHit {
-                ray: to_embree(ray),
-                hit: sys::RTCHit::default(),
-            },
-            room: [0; 4],
-        };
+        let mut query = RayHit::new(to_embree(ray));
         // SAFETY: the scene is committed and alive; the record is aligned, with room for all that Embree writes.
         // The pointer is to the whole of `query`, and Embree takes the address alone.
-        unsafe { sys::rtcIntersect1(self.scene, (&raw mut query).cast(), ptr::null_mut()) };
+        unsafe { sys::rtcIntersect1(self.scene.0, (&raw mut query).cast(), ptr::null_mut()) };
         let sys::RTCRayHit { ray, hit } = query.record;
+        let instance = hit.instID[0];
         (hit.geomID != sys::RTC_INVALID_GEOMETRY_ID).then_some(EmbreeHit {
             t: ray.tfar,
             u: hit.u,
             v: hit.v,
-            geometry: hit.geomID,
+            geometry: if instance == sys::RTC_INVALID_GEOMETRY_ID {
+                hit.geomID
+            } else {
+                instance
+            },
             primitive: hit.primID,
             ng: Vec3::new(hit.Ng_x, hit.Ng_y, hit.Ng_z),
         })
@@ -146,29 +213,21 @@ impl EmbreeScene {
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut ray = to_embree(ray);
         // SAFETY: the scene is committed and alive; `RTCRay` has the alignment that Embree asks for.
-        unsafe { sys::rtcOccluded1(self.scene, &raw mut ray, ptr::null_mut()) };
+        unsafe { sys::rtcOccluded1(self.scene.0, &raw mut ray, ptr::null_mut()) };
         ray.tfar == f32::NEG_INFINITY
     }
 
     fn empty(options: EmbreeOptions, shapes: Vec<Box<dyn UserShape>>) -> Result<Self> {
         let device = Device::new(options)?;
-        // SAFETY: the device is alive.
-        let scene = unsafe { sys::rtcNewScene(device.0) };
-        if scene.is_null() {
-            return Err(device.error());
-        }
-        if options.robust {
-            // SAFETY: the scene is alive, and not committed.
-            unsafe { sys::rtcSetSceneFlags(scene, sys::RTCSceneFlags::ROBUST) };
-        }
         Ok(Self {
-            scene,
+            scene: SceneHandle::new(&device, options)?,
             device,
+            report: EmbreeReport::default(),
             shapes,
         })
     }
 
-    fn add_mesh(&self, mesh: &Mesh, transform: &Transform) -> Result<()> {
+    fn mesh(&self, mesh: &Mesh, transform: &Transform) -> Result<Geometry> {
         let place = |p: &Vec3| {
             if transform.is_identity() {
                 p.to_array()
@@ -186,7 +245,19 @@ impl EmbreeScene {
             vertices,
         )?;
         self.fill(&geometry, RTCBufferType::INDEX, RTCFormat::UINT3, triangles)?;
-        self.attach(&geometry);
+        Ok(geometry)
+    }
+
+    fn add_instance(&self, scene: &SceneHandle, transform: &Transform) -> Result<()> {
+        let geometry = Geometry::new(&self.device, sys::RTCGeometryType::INSTANCE)?;
+        let columns = transform.matrix().to_cols_array().map(|x| x as f32);
+        // SAFETY: both are alive and of one device; Embree copies twelve numbers, three a column.
+        unsafe {
+            sys::rtcSetGeometryInstancedScene(geometry.0, scene.0);
+            let format = RTCFormat::FLOAT3X4_COLUMN_MAJOR;
+            sys::rtcSetGeometryTransform(geometry.0, 0, format, columns.as_ptr().cast());
+        }
+        self.scene.attach(&geometry);
         Ok(())
     }
 
@@ -227,93 +298,27 @@ impl EmbreeScene {
             sys::rtcSetGeometryIntersectFunction(geometry.0, Some(intersect_shape));
             sys::rtcSetGeometryOccludedFunction(geometry.0, Some(occluded_by_shape));
         }
-        self.attach(&geometry);
+        self.scene.attach(&geometry);
         Ok(())
     }
 
-    /// Hands the geometry to the scene, which gives it the next index.
-    fn attach(&self, geometry: &Geometry) {
-        // SAFETY: both are alive and of one device.
-        unsafe {
-            sys::rtcCommitGeometry(geometry.0);
-            sys::rtcAttachGeometry(self.scene, geometry.0);
-        }
-    }
-
-    fn commit(self) -> Result<Self> {
-        // SAFETY: the scene and the device are alive, and no other thread has them yet.
-        let error = unsafe {
-            sys::rtcCommitScene(self.scene);
-            sys::rtcGetDeviceError(self.device.0)
-        };
-        match error {
+    fn commit(mut self) -> Result<Self> {
+        self.report.add(&self.scene, &self.device);
+        match self.device.last() {
             sys::RTCError::NONE => Ok(self),
             error => Err(failure(error)),
         }
     }
 }
 
-impl Drop for EmbreeScene {
-    fn drop(&mut self) {
-        // SAFETY: the scene is alive until here, and its last query is over.
-        unsafe { sys::rtcReleaseScene(self.scene) };
+impl EmbreeReport {
+    /// Builds the tree of `scene` and adds what it took.
+    fn add(&mut self, scene: &SceneHandle, device: &Device) {
+        let (start, before) = (Instant::now(), device.bytes());
+        scene.commit();
+        self.time += start.elapsed();
+        self.bytes += device.bytes().saturating_sub(before);
     }
-}
-
-/// One reference to a device.
-struct Device(sys::RTCDevice);
-
-impl Device {
-    fn new(options: EmbreeOptions) -> Result<Self> {
-        let config = CString::new(format!("threads={}", options.threads))
-            .expect("a number holds no zero byte");
-        // SAFETY: `config` is a C string that outlives the call.
-        let device = Self(unsafe { sys::rtcNewDevice(config.as_ptr()) });
-        if device.0.is_null() {
-            return Err(device.error());
-        }
-        Ok(device)
-    }
-
-    /// The last failure; of device creation where there is no device.
-    fn error(&self) -> Error {
-        // SAFETY: the device is alive or null, and both are allowed. A CPU device gives the codes of 4.2 only.
-        failure(unsafe { sys::rtcGetDeviceError(self.0) })
-    }
-}
-
-impl Drop for Device {
-    fn drop(&mut self) {
-        if !self.0.is_null() {
-            // SAFETY: it is alive, and what else belongs to it holds its own references.
-            unsafe { sys::rtcReleaseDevice(self.0) };
-        }
-    }
-}
-
-/// One reference to a geometry; a scene that it is attached to holds another.
-struct Geometry(sys::RTCGeometry);
-
-impl Geometry {
-    fn new(device: &Device, kind: sys::RTCGeometryType) -> Result<Self> {
-        // SAFETY: the device is alive.
-        let geometry = unsafe { sys::rtcNewGeometry(device.0, kind) };
-        if geometry.is_null() {
-            return Err(device.error());
-        }
-        Ok(Self(geometry))
-    }
-}
-
-impl Drop for Geometry {
-    fn drop(&mut self) {
-        // SAFETY: it is alive.
-        unsafe { sys::rtcReleaseGeometry(self.0) };
-    }
-}
-
-fn failure(code: sys::RTCError) -> Error {
-    Error::input(format!("Embree failed with the code {code:?}"))
 }
 
 fn check_bounds(what: &str, index: usize, bounds: &Bounds) -> Result<()> {
@@ -339,64 +344,5 @@ fn to_embree(ray: &Ray) -> sys::RTCRay {
         tnear: ray.tmin as f32,
         tfar: ray.tmax as f32,
         ..sys::RTCRay::default()
-    }
-}
-
-fn from_embree(ray: &sys::RTCRay) -> Ray {
-    Ray {
-        origin: Vec3::new(ray.org_x, ray.org_y, ray.org_z).as_dvec3(),
-        direction: Vec3::new(ray.dir_x, ray.dir_y, ray.dir_z).as_dvec3(),
-        tmin: f64::from(ray.tnear),
-        tmax: f64::from(ray.tfar),
-    }
-}
-
-/// The shape that a callback is about.
-///
-/// # Safety
-/// `list` and `index` come from Embree, for a geometry made by `add_shapes` whose scene is alive.
-unsafe fn shape_of<'a>(list: *mut c_void, index: u32) -> &'a dyn UserShape {
-    // SAFETY: `list` is the start of the scene's shapes, and Embree counts no further than their number.
-    unsafe { (*list.cast::<Box<dyn UserShape>>().add(index as usize)).as_ref() }
-}
-
-unsafe extern "C" fn shape_bounds(args: *const sys::RTCBoundsFunctionArguments) {
-    // SAFETY: Embree passes valid arguments.
-    let args = unsafe { &*args };
-    // SAFETY: they are for one of our shapes.
-    let shape = unsafe { shape_of(args.geometryUserPtr, args.primID) };
-    let (min, max) = shape.bounds().outward_f32();
-    // SAFETY: `bounds_o` is where Embree wants the answer.
-    let out = unsafe { &mut *args.bounds_o };
-    (out.lower_x, out.lower_y, out.lower_z) = min.into();
-    (out.upper_x, out.upper_y, out.upper_z) = max.into();
-}
-
-unsafe extern "C" fn intersect_shape(args: *const sys::RTCIntersectFunctionNArguments) {
-    // SAFETY: Embree passes valid arguments.
-    let args = unsafe { &*args };
-    // SAFETY: they are for one of our shapes.
-    let shape = unsafe { shape_of(args.geometryUserPtr, args.primID) };
-    // SAFETY: all queries are of a single ray, N is 1, and then the packet is laid out as an `RTCRayHit`.
-    let sys::RTCRayHit { ray, hit } = unsafe { &mut *args.rayhit.cast::<sys::RTCRayHit>() };
-    if let Some(t) = shape.intersect(&from_embree(ray)) {
-        ray.tfar = t as f32;
-        *hit = sys::RTCHit {
-            primID: args.primID,
-            geomID: args.geomID,
-            ..sys::RTCHit::default()
-        };
-    }
-}
-
-unsafe extern "C" fn occluded_by_shape(args: *const sys::RTCOccludedFunctionNArguments) {
-    // SAFETY: Embree passes valid arguments.
-    let args = unsafe { &*args };
-    // SAFETY: they are for one of our shapes.
-    let shape = unsafe { shape_of(args.geometryUserPtr, args.primID) };
-    // SAFETY: all queries are of a single ray, N is 1, and then the packet is laid out as an `RTCRay`.
-    let ray = unsafe { &mut *args.ray.cast::<sys::RTCRay>() };
-    if shape.intersect(&from_embree(ray)).is_some() {
-        ray.tfar = f32::NEG_INFINITY;
     }
 }
