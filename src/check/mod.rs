@@ -1,156 +1,420 @@
-//! Hits of a mesh against Embree's, every difference judged by an arbiter in f64.
+//! Ray hits of a scene's meshes against Embree's, every difference judged by an arbiter.
+//!
+//! ```
+//! use std::path::Path;
+//! use solidtrace::check::{CheckSettings, Checker};
+//! use solidtrace::io::{ReadOptions, read_scene};
+//! use solidtrace::world::World;
+//!
+//! let scene = read_scene(Path::new("assets/quad.obj"), &ReadOptions::default())?;
+//! let world = World::build(scene)?;
+//! let settings = CheckSettings { rays: 1000, ..CheckSettings::default() };
+//! let report = Checker::new(&world)?.run(&settings, &());
+//! assert_eq!(report.sum().ours_wrong, 0);
+//! # Ok::<(), solidtrace::Error>(())
+//! ```
 
 mod arbiter;
+mod exact;
+mod heat;
+mod index;
+mod meshes;
 mod rays;
+mod tally;
 
-pub use arbiter::{Arbiter, Verdict};
-pub use rays::{RayClass, RayMaker};
+pub use arbiter::{Answer, Arbiter, Claim, Rounding, Verdict};
+pub use heat::HeatMap;
+pub use meshes::{Meshes, Spot};
+pub use rays::{Query, RayClass};
+pub use tally::{Outcome, Reason, Tally};
 
 use rayon::prelude::*;
 
-use crate::accel::{Accel, Hit, Placed};
+use crate::accel::{Accel, AccelOptions, Hit, Kernel, Placed};
+use crate::camera::Lens;
 use crate::embree::{EmbreeHit, EmbreeOptions, EmbreeScene};
-use crate::error::Result;
-use crate::geometry::{Mesh, MeshId, Shape};
-use crate::math::{Ray, Transform};
+use crate::error::{Error, Result};
+use crate::geometry::{MeshId, Shape};
+use crate::math::Ray;
+use crate::render::Observer;
+use crate::world::World;
 
-/// What comparing one class of rays found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
-    /// Rays traced.
+use rays::{Chunk, RayMaker};
+
+/// What to trace.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckSettings {
+    /// Rays, shared out evenly to the classes.
     pub rays: u64,
-    /// Of them, how many we say hit.
-    pub hits: u64,
-    /// Differences in which the arbiter finds us wrong.
-    pub ours_wrong: u64,
-    /// Differences in which the arbiter finds Embree wrong.
-    pub embree_wrong: u64,
-    /// Different primitives at the same distance, and differences too close for the arbiter.
-    pub ties: u64,
-    /// The largest `|dt|` of agreeing hits, as a part of [`dt_bound`].
-    pub worst_dt: f64,
+    /// Another seed, other rays.
+    pub seed: u64,
+    /// Whether to count by pixel what camera rays show; then there is at least one a pixel.
+    pub heat_map: bool,
 }
 
-impl Tally {
-    /// The sums of both.
-    #[must_use]
-    pub fn plus(self, other: Self) -> Self {
+impl Default for CheckSettings {
+    fn default() -> Self {
         Self {
-            rays: self.rays + other.rays,
-            hits: self.hits + other.hits,
-            ours_wrong: self.ours_wrong + other.ours_wrong,
-            embree_wrong: self.embree_wrong + other.embree_wrong,
-            ties: self.ties + other.ties,
-            worst_dt: self.worst_dt.max(other.worst_dt),
+            rays: 1_000_000,
+            seed: 0,
+            heat_map: false,
         }
     }
 }
 
-/// How far Embree's f32 `t` may be from the truth before it counts as another hit: roundings of the
-/// origin, of the corners relative to it and of the edge functions, `reach` being the largest distance
-/// among them, seen at the angle at which the ray meets the triangle.
-pub fn dt_bound(ray: &Ray, hit: &Hit, mesh: &Mesh) -> f64 {
-    let [a, b, c] = mesh.corners(hit.primitive).map(glam::Vec3::as_dvec3);
-    let cross = (b - a).cross(c - a);
-    let reach = [a, b, c]
-        .into_iter()
-        .map(|p| (p - ray.origin).abs().max_element())
-        .fold(0.0, f64::max);
-    // A sliver's edge functions cancel: their error counts against its area.
-    let longest = (b - a).length().max((c - a).length()).max((c - b).length());
-    let shape = (longest * longest / cross.length()).max(1.0);
-    let facing = (cross.normalize().dot(ray.direction)).abs();
-    2.0_f64.powi(-20) * reach * shape / facing
+impl CheckSettings {
+    /// Rays of a class, for a picture of `size` pixels.
+    pub fn rays_of(&self, class: RayClass, size: (u32, u32)) -> u64 {
+        let classes = RayClass::ALL.len() as u64;
+        let share = self.rays / classes + u64::from((class as u64) < self.rays % classes);
+        if self.heat_map && class == RayClass::Camera {
+            share.max(u64::from(size.0) * u64::from(size.1))
+        } else {
+            share
+        }
+    }
 }
 
-/// A mesh in our tree, in Embree's robust scene, and before the arbiter.
-pub struct Comparison<'a> {
-    mesh: &'a Mesh,
-    ours: Accel,
-    embree: EmbreeScene,
+/// What a run found.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// By class, in the order of [`RayClass::ALL`].
+    pub classes: Vec<(RayClass, Tally)>,
+    /// Where one was asked for.
+    pub heat_map: Option<HeatMap>,
+    /// Rays that we answered wrong; of very many some.
+    pub wrong: Vec<(Query, Answers)>,
+    /// Whether all rays were traced that were asked for and exist.
+    pub complete: bool,
+}
+
+impl Report {
+    /// Over all classes.
+    pub fn sum(&self) -> Tally {
+        let mut sum = Tally::default();
+        for (_, tally) in &self.classes {
+            sum += *tally;
+        }
+        sum
+    }
+}
+
+/// What all engines say of one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers {
+    /// Ours.
+    pub ours: Answer,
+    /// Whether all our queries of this ray, single or in batches, for the closest hit or any, by whatever kernel, say
+    /// the same.
+    pub consistent: bool,
+    /// Embree's: fast, then robust.
+    pub embree: [Answer; 2],
+}
+
+/// A scene's meshes in our trees, one for each kernel, in two scenes of Embree, and before the arbiter.
+pub struct Checker<'a> {
+    world: &'a World,
+    lens: Lens,
+    /// By kernel.
+    ours: Vec<Accel>,
+    /// Fast, then robust.
+    embree: [EmbreeScene; 2],
     arbiter: Arbiter<'a>,
 }
 
-impl<'a> Comparison<'a> {
-    /// Builds both trees.
+/// What a chunk's rays show.
+#[derive(Default)]
+struct Found {
+    tally: Tally,
+    /// Of those of the camera, each with its pixel.
+    pixels: Vec<((u32, u32), Outcome)>,
+    wrong: Vec<(Query, Answers)>,
+}
+
+/// More wrong answers are only counted.
+const SHOWN: usize = 10;
+
+/// Rays traced together.
+const CHUNK: u64 = 1 << 14;
+
+/// The longest side's square over twice the area from which on a triangle counts as a sliver.
+const SLIVER: f64 = 1000.0;
+
+/// The sine of the angle below which a ray grazes.
+const GRAZING: f64 = 0.0175;
+
+impl<'a> Checker<'a> {
+    /// Builds all trees over the meshes of `world`; its other shapes are left out, see [`Meshes::left_out`].
     ///
     /// # Errors
-    /// Where the mesh is invalid or Embree fails.
-    pub fn new(mesh: &'a Mesh, robust: bool) -> Result<Self> {
-        let placed = Placed {
-            shape: Shape::Mesh(MeshId(0)),
-            world_from_object: Transform::IDENTITY,
+    /// Where there is no mesh, the first camera looks nowhere, or Embree fails.
+    pub fn new(world: &'a World) -> Result<Self> {
+        let meshes = Meshes::of(world.scene());
+        if meshes.is_empty() {
+            return Err(Error::input(
+                "there are no meshes to check, and Embree knows nothing else",
+            )
+            .help("check a model or a scene with a `Mesh`"));
+        }
+        let placed: Vec<Placed> = (0..meshes.len() as u32)
+            .map(|instance| {
+                let (mesh, transform) = meshes.placed(instance);
+                Placed {
+                    shape: Shape::Mesh(MeshId(mesh as u32)),
+                    world_from_object: *transform,
+                }
+            })
+            .collect();
+        let ours = Kernel::available().into_iter().map(|kernel| {
+            let options = AccelOptions {
+                kernel,
+                ..AccelOptions::default()
+            };
+            Accel::build_with(meshes.meshes(), &[], placed.clone(), options)
+        });
+        let ours = ours.collect::<Result<_>>()?;
+        let list: Vec<_> = meshes.iter().collect();
+        let embree = |robust| {
+            let options = EmbreeOptions {
+                robust,
+                ..EmbreeOptions::default()
+            };
+            EmbreeScene::new(&list, options)
         };
-        let options = EmbreeOptions {
-            robust,
-            ..EmbreeOptions::default()
-        };
+        let scene = world.scene();
         Ok(Self {
-            ours: Accel::build(std::slice::from_ref(mesh), &[], vec![placed])?,
-            embree: EmbreeScene::new(&[(mesh, &Transform::IDENTITY)], options)?,
-            arbiter: Arbiter::new(mesh),
-            mesh,
+            world,
+            lens: scene.cameras[0].lens(scene.film.size)?,
+            ours,
+            embree: [embree(false)?, embree(true)?],
+            arbiter: Arbiter::new(meshes),
         })
     }
 
-    /// Traces `count` rays of one class on all threads and judges every difference.
-    pub fn run(&self, class: RayClass, count: u64, seed: u64) -> Tally {
-        const CHUNK: u64 = 1 << 14;
-        let maker = RayMaker::new(self.mesh, &self.ours);
-        (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let rays = CHUNK.min(count - chunk * CHUNK) as usize;
-                (maker.rays(class, seed, chunk).take(rays))
-                    .map(|ray| self.compare(&ray))
-                    .fold(Tally::default(), Tally::plus)
-            })
-            .reduce(Tally::default, Tally::plus)
+    /// What judges.
+    pub fn arbiter(&self) -> &Arbiter<'a> {
+        &self.arbiter
     }
 
-    fn compare(&self, ray: &Ray) -> Tally {
-        let ours = self.ours.intersect(ray);
-        let theirs = self.embree.intersect(ray);
-        let mut tally = Tally {
-            rays: 1,
-            hits: u64::from(ours.is_some()),
-            ..Tally::default()
+    /// Traces rays of all classes on all threads and judges every difference.
+    pub fn run(&self, settings: &CheckSettings, observer: &dyn Observer) -> Report {
+        let size = self.world.scene().film.size;
+        let meshes = self.arbiter.meshes();
+        let maker = RayMaker::new(self.world, meshes, self.lens, self.ours[0].bounds());
+        let mut report = Report {
+            classes: Vec::new(),
+            heat_map: settings.heat_map.then(|| HeatMap::new(size)),
+            wrong: Vec::new(),
+            complete: true,
         };
-        assert_eq!(
-            self.ours.occluded(ray),
-            ours.is_some(),
-            "closest and any hit differ for {ray:?}"
-        );
-        match (&ours, &theirs) {
-            (None, None) => {}
-            (Some(a), Some(b)) if self.same_distance(ray, a, b) => {
-                tally.ties = u64::from(a.primitive != b.primitive);
-                if tally.ties == 0 {
-                    tally.worst_dt = (a.t - f64::from(b.t)).abs() / dt_bound(ray, a, self.mesh);
+        for class in RayClass::ALL {
+            let total = settings.rays_of(class, size);
+            let chunks = (0..total.div_ceil(CHUNK)).into_par_iter().map(|chunk| {
+                let first = chunk * CHUNK;
+                let chunk = Chunk {
+                    class,
+                    first,
+                    count: CHUNK.min(total - first) as usize,
+                    total,
+                    seed: settings.seed,
+                };
+                (!observer.stop()).then(|| {
+                    let found = self.chunk(&maker, &chunk, settings.heat_map);
+                    observer.advance(chunk.count as u64, found.tally.rays);
+                    found
+                })
+            });
+            let chunks: Vec<Option<Found>> = chunks.collect();
+            let mut sum = Tally::default();
+            report.complete &= chunks.iter().all(Option::is_some);
+            for found in chunks.into_iter().flatten() {
+                sum += found.tally;
+                let room = SHOWN - report.wrong.len();
+                report.wrong.extend(found.wrong.into_iter().take(room));
+                if let Some(map) = &mut report.heat_map {
+                    for (pixel, outcome) in &found.pixels {
+                        map.add(*pixel, outcome);
+                    }
                 }
             }
-            _ => self.judge(ray, ours.as_ref(), theirs.as_ref(), &mut tally),
+            report.classes.push((class, sum));
         }
-        tally
+        report
     }
 
-    fn same_distance(&self, ray: &Ray, ours: &Hit, theirs: &EmbreeHit) -> bool {
-        let dt = (ours.t - f64::from(theirs.t)).abs();
-        let other = Hit {
-            primitive: theirs.primitive,
-            ..*ours
+    /// What the rays of a chunk show.
+    fn chunk(&self, maker: &RayMaker, chunk: &Chunk, by_pixel: bool) -> Found {
+        let queries = maker.queries(chunk);
+        let rays: Vec<Ray> = queries.iter().map(|query| query.ray).collect();
+        let (hits, consistent) = self.trace(&rays);
+        let mut found = Found::default();
+        for (i, query) in queries.iter().enumerate() {
+            let ours = hits[i].as_ref().map(claim);
+            let embree = self.embree.each_ref();
+            let answers = if chunk.class == RayClass::Shadow {
+                Answers {
+                    ours: Answer::Any(ours.is_some()),
+                    consistent: consistent[i],
+                    embree: embree.map(|embree| Answer::Any(embree.occluded(&query.peer))),
+                }
+            } else {
+                Answers {
+                    ours: Answer::Closest(ours),
+                    consistent: consistent[i],
+                    embree: embree.map(|embree| {
+                        Answer::Closest(embree.intersect(&query.peer).as_ref().map(claim_of_embree))
+                    }),
+                }
+            };
+            let outcome = self.judge(query, &answers);
+            found.tally += &outcome;
+            if let Some(pixel) = query.pixel.filter(|_| by_pixel) {
+                found.pixels.push((pixel, outcome));
+            }
+            if outcome.ours_wrong && found.wrong.len() < SHOWN {
+                found.wrong.push((*query, answers));
+            }
+        }
+        found
+    }
+
+    /// Our closest hits, and whether every other way of asking agrees.
+    fn trace(&self, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>) {
+        let hits: Vec<Option<Hit>> = rays.iter().map(|ray| self.ours[0].intersect(ray)).collect();
+        let mut consistent = vec![true; rays.len()];
+        let mut batch = vec![None; rays.len()];
+        let mut blocked = vec![false; rays.len()];
+        for accel in &self.ours {
+            accel.intersect_batch(rays, &mut batch);
+            accel.occluded_batch(rays, &mut blocked);
+            for (i, ray) in rays.iter().enumerate() {
+                let any = hits[i].is_some();
+                consistent[i] &= batch[i] == hits[i]
+                    && accel.intersect(ray) == hits[i]
+                    && blocked[i] == any
+                    && accel.occluded(ray) == any;
+            }
+        }
+        (hits, consistent)
+    }
+
+    /// Compares the answers to one ray, and asks the arbiter where they differ.
+    pub fn judge(&self, query: &Query, answers: &Answers) -> Outcome {
+        let mut outcome = Outcome {
+            hit: !matches!(answers.ours, Answer::Closest(None) | Answer::Any(false)),
+            ours_wrong: !answers.consistent,
+            ..Outcome::default()
         };
-        dt <= dt_bound(ray, ours, self.mesh).max(dt_bound(ray, &other, self.mesh))
+        for (i, theirs) in answers.embree.iter().enumerate() {
+            outcome.differs[i] = match (&answers.ours, theirs) {
+                (Answer::Closest(Some(a)), Answer::Closest(Some(b))) => {
+                    let bound = self
+                        .dt_bound(query, a.spot)
+                        .max(self.dt_bound(query, b.spot));
+                    let dt = (a.t - b.t).abs();
+                    if dt <= bound {
+                        outcome.tie |= a.spot != b.spot;
+                        let same = a.spot == b.spot && bound > 0.0;
+                        outcome.dt = outcome.dt.max(if same { dt / bound } else { 0.0 });
+                    }
+                    dt > bound
+                }
+                (a, b) => a != b,
+            };
+        }
+        if !outcome.differs.contains(&true) {
+            return outcome;
+        }
+        let named = self.named(query, answers);
+        let spots: Vec<Spot> = named.iter().map(|claim| claim.spot).collect();
+        let wrong = |ray: &Ray, answer: &Answer, rounding: Rounding| {
+            self.arbiter.judge(ray, answer, &spots, rounding) == Verdict::Wrong
+        };
+        outcome.ours_wrong |= wrong(&query.ray, &answers.ours, Rounding::F64);
+        for (i, theirs) in answers.embree.iter().enumerate() {
+            outcome.embree_wrong[i] =
+                outcome.differs[i] && wrong(&query.peer, theirs, Rounding::F32);
+        }
+        if !outcome.ours_wrong && !outcome.embree_wrong.contains(&true) {
+            outcome.reason = Some(self.reason(query, &named));
+        }
+        outcome
     }
 
-    fn judge(&self, ray: &Ray, ours: Option<&Hit>, theirs: Option<&EmbreeHit>, tally: &mut Tally) {
-        let nearest = self.arbiter.nearest(ray);
-        let our_hit = ours.map(|h| (h.t, h.primitive));
-        let a = self.arbiter.judge(ray, nearest, our_hit, 1e-9);
-        let their_hit = theirs.map(|h| (f64::from(h.t), h.primitive));
-        let b = self.arbiter.judge(ray, nearest, their_hit, 1e-3);
-        tally.ours_wrong += u64::from(a == Verdict::Wrong);
-        tally.embree_wrong += u64::from(b == Verdict::Wrong);
-        tally.ties += u64::from(a != Verdict::Wrong && b != Verdict::Wrong);
+    /// How far Embree's `t` may be from ours on a triangle: its rounding of corners and ray.
+    fn dt_bound(&self, query: &Query, spot: Spot) -> f64 {
+        let bound = self.arbiter.bound(&query.peer, spot, Rounding::F32);
+        if query.ray == query.peer {
+            return bound;
+        }
+        // Rounding the origin moves the ray as rounding the corners would move the triangle.
+        let moved = query.ray.origin.distance(query.peer.origin);
+        let [a, b, c] = self.arbiter.meshes().corners(spot);
+        let normal = (b - a).cross(c - a);
+        bound + moved * normal.length() / normal.dot(query.ray.direction).abs()
+    }
+
+    /// The hits that the answers speak of; where they only say whether there is any, the closest.
+    fn named(&self, query: &Query, answers: &Answers) -> Vec<Claim> {
+        let all = std::iter::once(&answers.ours).chain(&answers.embree);
+        let mut named: Vec<Claim> = all
+            .filter_map(|answer| match answer {
+                Answer::Closest(claim) => *claim,
+                Answer::Any(_) => None,
+            })
+            .collect();
+        if matches!(answers.ours, Answer::Any(_)) {
+            named.extend(self.ours[0].intersect(&query.ray).as_ref().map(claim));
+            let theirs = self.embree.iter().filter_map(|e| e.intersect(&query.peer));
+            named.extend(theirs.map(|hit| claim_of_embree(&hit)));
+        }
+        named
+    }
+
+    /// Why answers differ, none of which is wrong.
+    fn reason(&self, query: &Query, named: &[Claim]) -> Reason {
+        let at_an_end = |claim: &Claim| {
+            let slack = self.dt_bound(query, claim.spot);
+            claim.t < query.peer.tmin + slack || claim.t > query.peer.tmax - slack
+        };
+        let shape = |claim: &Claim| {
+            let [a, b, c] = self.arbiter.meshes().corners(claim.spot);
+            let longest = (b - a).length_squared().max((c - a).length_squared());
+            let normal = (b - a).cross(c - a);
+            let sine = normal.dot(query.ray.direction) / query.ray.direction.length();
+            (
+                longest.max((c - b).length_squared()) / normal.length(),
+                sine.abs() / normal.length(),
+            )
+        };
+        if named.iter().any(|claim| shape(claim).0 > SLIVER) {
+            Reason::Sliver
+        } else if named.iter().any(|claim| shape(claim).1 < GRAZING) {
+            Reason::Grazing
+        } else if named.iter().any(at_an_end) {
+            Reason::End
+        } else {
+            Reason::Edge
+        }
+    }
+}
+
+fn claim(hit: &Hit) -> Claim {
+    Claim {
+        t: hit.t,
+        spot: Spot {
+            instance: hit.instance,
+            primitive: hit.primitive,
+        },
+    }
+}
+
+fn claim_of_embree(hit: &EmbreeHit) -> Claim {
+    Claim {
+        t: f64::from(hit.t),
+        spot: Spot {
+            instance: hit.geometry,
+            primitive: hit.primitive,
+        },
     }
 }

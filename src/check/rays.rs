@@ -1,19 +1,26 @@
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::accel::Accel;
-use crate::geometry::Mesh;
-use crate::math::{Frame, Ray};
-use crate::sampling::{cosine_hemisphere, uniform_sphere};
+use crate::camera::Lens;
+use crate::color::Rgb;
+use crate::integrator::{CameraRay, PathIntegrator, Probe};
+use crate::math::{Bounds, Ray};
+use crate::sampling::{Sampler, SamplerKind, uniform_sphere};
+use crate::scene::{IntegratorSettings, Scene};
+use crate::world::World;
 
-/// Ways to aim rays at a mesh.
+use super::meshes::Meshes;
+
+/// Ways to aim rays at a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayClass {
-    /// From one point in front, through a picture.
+    /// From the scene's camera, spread evenly over the picture.
     Camera,
-    /// From points of the surface, cosine-weighted.
+    /// As the path tracer shoots them after its first hit.
     Bounce,
+    /// To the lights, as the path tracer shoots them, asked for any hit; its bounces where there is no light to aim at.
+    Shadow,
     /// Between random points of the surrounding sphere.
     Chord,
     /// From the surrounding sphere at a vertex.
@@ -26,118 +33,303 @@ pub enum RayClass {
 
 impl RayClass {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Camera,
         Self::Bounce,
+        Self::Shadow,
         Self::Chord,
         Self::Vertex,
         Self::Edge,
         Self::Axis,
     ];
+
+    /// In lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Bounce => "bounce",
+            Self::Shadow => "shadow",
+            Self::Chord => "chord",
+            Self::Vertex => "vertex",
+            Self::Edge => "edge",
+            Self::Axis => "axis",
+        }
+    }
 }
 
-/// Makes rays whose origins and directions are exact in f32, as Embree needs them.
-pub struct RayMaker<'a> {
-    mesh: &'a Mesh,
-    accel: &'a Accel,
+/// A ray as each side is asked it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query {
+    /// For us.
+    pub ray: Ray,
+    /// For Embree: exact in f32. It differs from `ray` for the renderer's own rays alone, which are f64 and start right
+    /// at a surface; this one counts hits only from where f32 can tell them from that surface.
+    pub peer: Ray,
+    /// Column and row of the picture, for rays of [`RayClass::Camera`].
+    pub pixel: Option<(u32, u32)>,
+}
+
+/// Which part of a class.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chunk {
+    pub class: RayClass,
+    /// The number of its first ray.
+    pub first: u64,
+    pub count: usize,
+    /// Rays of the whole class.
+    pub total: u64,
+    pub seed: u64,
+}
+
+/// Makes rays for a scene.
+pub(super) struct RayMaker<'a> {
+    world: &'a World,
+    meshes: &'a Meshes<'a>,
+    lens: Lens,
+    integrator: PathIntegrator,
     center: DVec3,
     radius: f64,
 }
 
+/// Paths that the path tracer takes at once.
+const PATHS: usize = 2048;
+
+/// So many batches without a ray that was looked for, and there are none.
+const PATIENCE: u32 = 8;
+
 impl<'a> RayMaker<'a> {
-    /// For `mesh`, the only shape of `accel`.
-    pub fn new(mesh: &'a Mesh, accel: &'a Accel) -> Self {
-        let bounds = mesh.bounds();
+    /// `bounds` are those of the meshes.
+    pub(super) fn new(
+        world: &'a World,
+        meshes: &'a Meshes<'a>,
+        lens: Lens,
+        bounds: Bounds,
+    ) -> Self {
         Self {
-            mesh,
-            accel,
+            lens,
+            integrator: integrator(world.scene()),
             center: bounds.center(),
             radius: 0.5 * bounds.size().length(),
+            world,
+            meshes,
         }
     }
 
-    /// Rays without end; the same for the same class, seed and chunk.
-    pub fn rays(&self, class: RayClass, seed: u64, chunk: u64) -> impl Iterator<Item = Ray> + '_ {
-        let state = u128::from(seed) << 64 | u128::from(chunk) << 8 | class as u128;
-        let mut rng = Pcg64Mcg::seed_from_u64((state ^ state >> 64) as u64 ^ seed.rotate_left(40));
-        std::iter::repeat_with(move || self.ray(class, &mut rng)).filter(is_ray)
+    /// A chunk's rays; fewer where the scene's paths have no more of this class.
+    pub(super) fn queries(&self, chunk: &Chunk) -> Vec<Query> {
+        let state = chunk.seed ^ (chunk.first << 8 | chunk.class as u64).rotate_left(20);
+        let rng = &mut Pcg64Mcg::seed_from_u64(state);
+        match chunk.class {
+            RayClass::Camera => self.camera(chunk, rng),
+            RayClass::Bounce | RayClass::Shadow => self.paths(chunk, rng),
+            class => std::iter::repeat_with(|| self.aimed(class, rng))
+                .filter(is_ray)
+                .take(chunk.count)
+                .map(exact)
+                .collect(),
+        }
     }
 
-    fn ray(&self, class: RayClass, rng: &mut Pcg64Mcg) -> Ray {
+    /// Through a grid over the picture with about as many cells as there are rays, but at most one a pixel; cells follow
+    /// each other in blocks of 8x8, as a renderer's packets do.
+    fn camera(&self, chunk: &Chunk, rng: &mut Pcg64Mcg) -> Vec<Query> {
+        let (width, height) = self.world.scene().film.size;
+        let part = (chunk.total as f64 / (f64::from(width) * f64::from(height))).sqrt();
+        let cells = |side: u32| ((f64::from(side) * part).ceil() as u32).clamp(1, side);
+        let (columns, rows) = (cells(width), cells(height));
+        let numbers = chunk.first..chunk.first + chunk.count as u64;
+        numbers
+            .map(|n| {
+                let (column, row) = cell(n, columns, rows);
+                let along = |cell: u32, cells: u32, side: u32, jitter: f64| {
+                    (f64::from(cell) + jitter) / f64::from(cells) * f64::from(side)
+                };
+                let x = along(column, columns, width, rng.random());
+                let y = along(row, rows, height, rng.random());
+                let ray = self.lens.ray(x, y, Vec2::new(rng.random(), rng.random()));
+                Query {
+                    pixel: Some(((x as u32).min(width - 1), (y as u32).min(height - 1))),
+                    ..exact(ray)
+                }
+            })
+            .collect()
+    }
+
+    /// What the path tracer shoots for random samples of random pixels.
+    fn paths(&self, chunk: &Chunk, rng: &mut Pcg64Mcg) -> Vec<Query> {
+        let (width, height) = self.world.scene().film.size;
+        let lights = !self.world.lights().lights().is_empty();
+        let mut sieve = Sieve {
+            shadows: chunk.class == RayClass::Shadow && lights,
+            rays: Vec::new(),
+        };
+        let mut queries = Vec::with_capacity(chunk.count);
+        let mut idle = 0;
+        while queries.len() < chunk.count && idle < PATIENCE {
+            let batch: Vec<CameraRay> = (0..PATHS)
+                .map(|_| {
+                    let pixel = (rng.random_range(0..width), rng.random_range(0..height));
+                    let kind = SamplerKind::default();
+                    let sampler = Sampler::new(kind, chunk.seed, pixel, rng.random());
+                    let [u, v, lens_u, lens_v] = sampler.set(0);
+                    let x = f64::from(pixel.0) + f64::from(u);
+                    let y = f64::from(pixel.1) + f64::from(v);
+                    let ray = self.lens.ray(x, y, Vec2::new(lens_u, lens_v));
+                    CameraRay { ray, sampler }
+                })
+                .collect();
+            let mut radiance = vec![Rgb::ZERO; batch.len()];
+            (self.integrator).radiance_probed(self.world, &batch, &mut radiance, &mut sieve);
+            idle = if sieve.rays.is_empty() { idle + 1 } else { 0 };
+            let found = sieve.rays.drain(..).map(|ray| self.off_surface(ray));
+            queries.extend(found.filter(|query| is_ray(&query.peer)));
+        }
+        queries.truncate(chunk.count);
+        queries
+    }
+
+    fn off_surface(&self, ray: Ray) -> Query {
+        let scale = ray.origin.abs().max_element() + self.radius;
+        let clear = (2.0_f64.powi(-16) * scale / ray.direction.length()) as f32;
+        let clear = f64::from(clear);
+        Query {
+            ray,
+            peer: Ray {
+                tmin: ray.tmin + clear,
+                tmax: ray.tmax - clear,
+                ..rounded(ray)
+            },
+            pixel: None,
+        }
+    }
+
+    fn aimed(&self, class: RayClass, rng: &mut Pcg64Mcg) -> Ray {
         match class {
-            RayClass::Camera => self.camera(rng),
-            RayClass::Bounce => self.bounce(rng),
-            RayClass::Chord => between(self.around(1.1, rng), self.around(1.1, rng)),
-            RayClass::Vertex => between(self.around(2.0, rng), self.corner(rng)),
+            RayClass::Vertex => between(self.around(2.0, rng), self.corners(rng)[0]),
             RayClass::Edge => {
-                let [a, b, _] = self.triangle(rng);
+                let [a, b, _] = self.corners(rng);
                 between(self.around(2.0, rng), a.lerp(b, rng.random()))
             }
             RayClass::Axis => {
-                let through = self.corner(rng);
-                let (axis, sign) = (
-                    rng.random_range(0..3),
-                    if rng.random() { 1.0 } else { -1.0 },
-                );
-                let mut origin = through;
+                let mut origin = self.corners(rng)[0];
+                let axis = rng.random_range(0..3);
+                let sign = if rng.random() { 1.0 } else { -1.0 };
                 origin[axis] = self.center[axis] - sign * 1.5 * self.radius;
-                let mut direction = DVec3::ZERO;
-                direction[axis] = sign;
-                exact(origin, direction)
+                Ray::new(origin, sign * DVec3::AXES[axis])
             }
+            _ => between(self.around(1.1, rng), self.around(1.1, rng)),
         }
     }
 
-    fn camera(&self, rng: &mut Pcg64Mcg) -> Ray {
-        let eye = self.center + self.radius * DVec3::new(0.7, 0.5, 1.9);
-        let spread = DVec3::new(rng.random(), rng.random(), rng.random()) - 0.5;
-        between(eye, self.center + 1.6 * self.radius * spread)
-    }
-
-    fn bounce(&self, rng: &mut Pcg64Mcg) -> Ray {
-        let ray = self.camera(rng);
-        let Some(hit) = self.accel.intersect(&ray) else {
-            return ray;
-        };
-        let [a, b, c] = self.mesh.corners(hit.primitive).map(Vec3::as_dvec3);
-        let n = (b - a).cross(c - a).normalize().as_vec3();
-        let n = if n.as_dvec3().dot(ray.direction) > 0.0 {
-            -n
-        } else {
-            n
-        };
-        let local = cosine_hemisphere(Vec2::new(rng.random(), rng.random()));
-        let lifted = ray.at(hit.t) + 1e-4 * self.radius * n.as_dvec3();
-        exact(lifted, Frame::around(n).to_world(local).as_dvec3())
-    }
-
-    /// A point of the sphere around the mesh, `scale` times as large.
+    /// A point of the sphere around the meshes, `scale` times as large.
     fn around(&self, scale: f64, rng: &mut Pcg64Mcg) -> DVec3 {
         let d = uniform_sphere(Vec2::new(rng.random(), rng.random()));
         self.center + scale * self.radius * d.as_dvec3()
     }
 
-    fn triangle(&self, rng: &mut Pcg64Mcg) -> [DVec3; 3] {
-        let i = rng.random_range(0..self.mesh.triangles.len() as u32);
-        self.mesh.corners(i).map(Vec3::as_dvec3)
+    fn corners(&self, rng: &mut Pcg64Mcg) -> [DVec3; 3] {
+        let n = rng.random_range(0..self.meshes.triangles());
+        self.meshes.corners(self.meshes.spot(n))
+    }
+}
+
+/// Keeps one kind of rays.
+struct Sieve {
+    shadows: bool,
+    rays: Vec<Ray>,
+}
+
+impl Probe for Sieve {
+    fn closest(&mut self, depth: u32, rays: &[Ray]) {
+        if depth > 0 && !self.shadows {
+            self.rays.extend_from_slice(rays);
+        }
     }
 
-    fn corner(&self, rng: &mut Pcg64Mcg) -> DVec3 {
-        self.triangle(rng)[0]
+    fn shadow(&mut self, rays: &[Ray]) {
+        if self.shadows {
+            self.rays.extend_from_slice(rays);
+        }
     }
+}
+
+/// The scene's path tracer, or as it is where nothing else is said.
+fn integrator(scene: &Scene) -> PathIntegrator {
+    match scene.integrator {
+        IntegratorSettings::Path {
+            max_depth,
+            russian_roulette,
+        } => PathIntegrator {
+            max_depth,
+            russian_roulette,
+        },
+        _ => PathIntegrator {
+            max_depth: Some(8),
+            russian_roulette: true,
+        },
+    }
+}
+
+/// Column and row of the cell with the number `n`, over and over again, in strips of eight rows.
+fn cell(n: u64, columns: u32, rows: u32) -> (u32, u32) {
+    let n = n % (u64::from(columns) * u64::from(rows));
+    let strip = n / (8 * u64::from(columns));
+    let top = 8 * strip as u32;
+    let height = u64::from((rows - top).min(8));
+    let rest = n - 8 * u64::from(columns) * strip;
+    ((rest / height) as u32, top + (rest % height) as u32)
 }
 
 /// From `a` through `b`, the direction taken from the rounded origin, of any length.
 fn between(a: DVec3, b: DVec3) -> Ray {
     let a = a.as_vec3().as_dvec3();
-    exact(a, b - a)
+    Ray::new(a, b - a)
 }
 
-fn exact(origin: DVec3, direction: DVec3) -> Ray {
-    Ray::new(origin.as_vec3().as_dvec3(), direction.as_vec3().as_dvec3())
+fn rounded(ray: Ray) -> Ray {
+    Ray {
+        origin: ray.origin.as_vec3().as_dvec3(),
+        direction: ray.direction.as_vec3().as_dvec3(),
+        ..ray
+    }
+}
+
+/// One ray for both sides.
+fn exact(ray: Ray) -> Query {
+    let ray = rounded(ray);
+    Query {
+        ray,
+        peer: ray,
+        pixel: None,
+    }
 }
 
 /// Two points that round to the same one make no ray.
 fn is_ray(ray: &Ray) -> bool {
-    ray.direction != DVec3::ZERO && ray.direction.is_finite()
+    let ray = rounded(*ray);
+    let finite = ray.origin.is_finite() && ray.direction.is_finite();
+    finite && ray.direction != DVec3::ZERO && ray.tmin < ray.tmax
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cell_comes_once_a_round_and_neighbours_together() {
+        for (columns, rows) in [(5, 3), (16, 16), (31, 17), (1, 40)] {
+            let count = columns * rows;
+            let cells: Vec<_> = (0..u64::from(count))
+                .map(|n| cell(n, columns, rows))
+                .collect();
+            let mut seen = vec![false; count as usize];
+            for &(x, y) in &cells {
+                let at = &mut seen[(y * columns + x) as usize];
+                assert!(!std::mem::replace(at, true), "{x} {y} again");
+            }
+            assert_eq!(cell(count.into(), columns, rows), cells[0]);
+        }
+        let near = |n| cell(n, 640, 480);
+        assert!((0..64).all(|n| near(n).0 < 8 && near(n).1 < 8));
+    }
 }

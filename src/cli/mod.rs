@@ -2,13 +2,15 @@
 
 #[cfg(feature = "bench")]
 mod bench;
+#[cfg(feature = "embree")]
+mod check;
 mod info;
 mod progress;
 mod render;
 mod trace;
 mod values;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -35,6 +37,16 @@ enum Command {
     Render(render::RenderArgs),
     /// Trace the rays of a CSV file and write their hits as CSV
     Trace(trace::TraceArgs),
+    /// Compare ray hits with Embree's and judge every difference
+    #[cfg(feature = "embree")]
+    Check(check::CheckArgs),
+    /// Compare ray hits with Embree's (needs a build with `--features embree`)
+    #[cfg(not(feature = "embree"))]
+    #[command(disable_help_flag = true)]
+    Check {
+        #[arg(hide = true, num_args = 0.., allow_hyphen_values = true)]
+        _arguments: Vec<String>,
+    },
     /// Show what a scene or model holds
     Info(info::InfoArgs),
     /// Race the ray engine against its peers over a scene's meshes
@@ -130,6 +142,14 @@ pub fn run() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Trace(args) => trace::run(&args).map(|()| ExitCode::SUCCESS),
+        #[cfg(feature = "embree")]
+        Command::Check(args) => check::run(&args),
+        #[cfg(not(feature = "embree"))]
+        Command::Check { .. } => Err(Error::new(
+            ErrorKind::Usage,
+            "this build has no Embree to check against",
+        )
+        .help("build with `tests/with-embree.sh cargo build --release --features embree`")),
         Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
         #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(&args).map(|()| ExitCode::SUCCESS),
@@ -148,6 +168,11 @@ pub fn run() -> ExitCode {
             1
         })
     })
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
 fn warn(warnings: &[String]) {

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::scene::{IntegratorSettings, Scene};
 
 use super::progress::{Progress, catch_interrupts, interrupted};
 use super::values::{parse_crop, parse_samples, parse_size, parse_time};
-use super::{INTERRUPTED, InputArgs, grouped, warn};
+use super::{INTERRUPTED, InputArgs, grouped, is_png, warn};
 
 #[derive(Args)]
 pub(super) struct RenderArgs {
@@ -326,11 +326,6 @@ fn camera_text(camera: &Camera) -> String {
         camera.up,
         camera.vfov.to_degrees()
     )
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
 /// Distances have no place in a PNG's 0..=1: they are shown against the largest.

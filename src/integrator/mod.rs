@@ -6,7 +6,7 @@ mod path;
 mod whitted;
 
 pub use features::FeatureIntegrator;
-pub use path::PathIntegrator;
+pub use path::{PathIntegrator, Probe};
 pub use whitted::WhittedIntegrator;
 
 use glam::DVec3;

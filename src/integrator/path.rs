@@ -21,6 +21,22 @@ pub struct PathIntegrator {
     pub russian_roulette: bool,
 }
 
+/// Is shown the rays of paths before they are traced, a batch at a time.
+pub trait Probe {
+    /// Rays whose closest hits are asked for; at depth 0 those of the camera.
+    fn closest(&mut self, depth: u32, rays: &[Ray]);
+
+    /// Rays from a surface to a light, asked whether anything lies between.
+    fn shadow(&mut self, rays: &[Ray]);
+}
+
+/// Looks at nothing, at no cost.
+impl Probe for () {
+    fn closest(&mut self, _depth: u32, _rays: &[Ray]) {}
+
+    fn shadow(&mut self, _rays: &[Ray]) {}
+}
+
 /// Where even an unlimited path ends: between white walls or mirrors without a way out it never would.
 const LONGEST: u32 = 1 << 16;
 
@@ -47,6 +63,19 @@ struct Shadowed {
 
 impl Integrator for PathIntegrator {
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
+        self.radiance_probed(world, batch, radiance, &mut ())
+    }
+}
+
+impl PathIntegrator {
+    /// [`Integrator::radiance`] with a look at every ray.
+    pub fn radiance_probed(
+        &self,
+        world: &World,
+        batch: &[CameraRay],
+        radiance: &mut [Rgb],
+        probe: &mut impl Probe,
+    ) -> u64 {
         radiance.fill(Rgb::ZERO);
         let mut paths: Vec<Path> = (batch.iter().zip(media(world, batch)).enumerate())
             .map(|(index, (camera, media))| Path {
@@ -68,6 +97,7 @@ impl Integrator for PathIntegrator {
         let most = self.max_depth.unwrap_or(LONGEST).min(LONGEST);
         for depth in 0..=most {
             traced += rays.len() as u64;
+            probe.closest(depth, &rays);
             world.intersect_batch(&rays, &mut hits[..rays.len()]);
             let mut alive = 0;
             for i in 0..rays.len() {
@@ -103,6 +133,7 @@ impl Integrator for PathIntegrator {
             rays.truncate(alive);
             traced += shadows.len() as u64;
             let blocked = &mut blocked[..shadows.len()];
+            probe.shadow(&shadow_rays);
             world.occluded_batch(&shadow_rays, blocked);
             shadow_rays.clear();
             for (shadow, blocked) in shadows.drain(..).zip(blocked) {

@@ -1,5 +1,5 @@
-//! Hits of meshes and solids against Embree's. The long run of the mesh part:
-//! `tests/with-embree.sh cargo run --release --features embree --example against_embree -- --rays 10000000`
+//! Hits of meshes and solids against Embree's. The long run of the mesh part, on any scene:
+//! `tests/with-embree.sh cargo run --release --features embree -- check INPUT --rays 10000000`
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use solidtrace::accel::{Accel, Placed};
-use solidtrace::check::{Arbiter, Comparison, RayClass, Tally, Verdict};
+use solidtrace::check::{CheckSettings, Checker, Tally};
 use solidtrace::embree::{EmbreeOptions, EmbreeScene, UserShape};
 use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::io::read_model;
@@ -16,8 +16,9 @@ use solidtrace::math::{Bounds, Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
 
 use crate::csg::oracle::{lathe, outside};
-use crate::support::comparison::comparison_cases;
-use crate::support::meshes::{moved, torus_mesh};
+use crate::support::Build;
+use crate::support::comparison::{comparison_cases, framed};
+use crate::support::meshes::moved;
 
 const ROBUST: EmbreeOptions = EmbreeOptions {
     robust: true,
@@ -48,53 +49,21 @@ fn meshes_are_hit_where_embree_hits_them_or_the_arbiter_sides_with_us() {
         println!("left out: the report's girl, which is not part of the project");
     }
     let mut sum = Tally::default();
-    for (name, mesh) in &cases {
-        let comparison = Comparison::new(mesh, true).unwrap();
-        for class in RayClass::ALL {
-            let tally = comparison.run(class, 10_000, 11);
+    for (name, mesh) in cases {
+        let world = framed(vec![mesh], &[(0, DAffine3::IDENTITY)]).world();
+        let settings = CheckSettings {
+            rays: 21_000,
+            seed: 11,
+            heat_map: false,
+        };
+        let report = Checker::new(&world).unwrap().run(&settings, &());
+        for (class, tally) in &report.classes {
             assert_eq!(tally.ours_wrong, 0, "{name} {class:?}: {tally:?}");
-            assert!(tally.worst_dt <= 1.0, "{name} {class:?}: {tally:?}");
-            sum = sum.plus(tally);
         }
+        sum += report.sum();
     }
     println!("{sum:?}");
     assert!(sum.hits > sum.rays / 3, "{sum:?}");
-}
-
-#[test]
-fn the_arbiter_knows_right_from_wrong() {
-    let mesh = torus_mesh(12, 8, 1.0, 0.4);
-    let ray = Ray::new(DVec3::new(1.0, 0.1, 5.0), DVec3::NEG_Z);
-    let placed = Placed {
-        shape: Shape::Mesh(solidtrace::geometry::MeshId(0)),
-        world_from_object: Transform::IDENTITY,
-    };
-    let hit = Accel::build(std::slice::from_ref(&mesh), &[], vec![placed])
-        .unwrap()
-        .intersect(&ray)
-        .unwrap();
-    let arbiter = Arbiter::new(&mesh);
-    let nearest = arbiter.nearest(&ray);
-    assert!((nearest - hit.t).abs() < 1e-12);
-    let judge = |answer| arbiter.judge(&ray, nearest, answer, 1e-9);
-    assert_eq!(judge(Some((hit.t, hit.primitive))), Verdict::Right);
-    assert_eq!(judge(Some((hit.t * 1.001, hit.primitive))), Verdict::Wrong);
-    assert_eq!(judge(Some((hit.t, hit.primitive + 1))), Verdict::Wrong);
-    assert_eq!(judge(None), Verdict::Wrong);
-    let far = Ray {
-        tmin: hit.t + 0.1,
-        ..ray
-    };
-    assert!(
-        arbiter.nearest(&far) > far.tmin,
-        "the far side is there as well"
-    );
-    let away = Ray::new(ray.origin, DVec3::Z);
-    assert_eq!(arbiter.nearest(&away), f64::INFINITY);
-    assert_eq!(
-        arbiter.judge(&away, f64::INFINITY, None, 1e-9),
-        Verdict::Right
-    );
 }
 
 /// A solid in its place, intersected by code of its own: dense steps along the ray and bisection on the

@@ -28,7 +28,13 @@ fn the_commands_run() {
     }
     let mut count = 0;
     for line in blocks("sh").iter().flat_map(|block| block.lines()) {
-        let Some(args) = line.strip_prefix("cargo run --release -- ") else {
+        let with_embree = "tests/with-embree.sh cargo run --release --features embree -- ";
+        let args = match line.strip_prefix(with_embree) {
+            Some(args) if cfg!(feature = "embree") => Some(args),
+            _ => line.strip_prefix("cargo run --release -- "),
+        };
+        // What takes longer is run by hand.
+        let Some(args) = args.filter(|args| !args.ends_with("--rays 10000000")) else {
             continue;
         };
         count += 1;
@@ -39,6 +45,9 @@ fn the_commands_run() {
         }
         if args.starts_with("render") && !args.contains("--spp") {
             command.args(["--spp", "2"]);
+        }
+        if args.starts_with("check") && !args.contains("--rays") {
+            command.args(["--rays", "20000"]);
         }
         let output = command.output().unwrap();
         assert!(

@@ -1,7 +1,10 @@
 //! What is compared with Embree.
 
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use solidtrace::geometry::Mesh;
+use solidtrace::io::bare_scene;
+use solidtrace::math::Transform;
+use solidtrace::scene::{Model, Part, Scene};
 
 use super::meshes::{box_mesh, bumpy_sphere, moved, slivers, torus_mesh};
 
@@ -23,4 +26,20 @@ pub fn comparison_cases() -> Vec<(String, Mesh)> {
     ]
     .map(|(name, mesh)| (name.to_owned(), mesh))
     .into()
+}
+
+/// Meshes, each placed at will by its index, in the studio of a bare model.
+pub fn framed(meshes: Vec<Mesh>, places: &[(usize, DAffine3)]) -> Scene {
+    let parts = places.iter().map(|&(mesh, place)| Part {
+        name: None,
+        mesh,
+        materials: Vec::new(),
+        model_from_mesh: Transform::new(place).unwrap(),
+    });
+    let model = Model {
+        meshes,
+        parts: parts.collect(),
+        ..Model::default()
+    };
+    bare_scene(model, false).unwrap()
 }
