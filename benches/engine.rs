@@ -10,15 +10,19 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use solidtrace::accel::{Accel, AccelOptions, Kernel};
-use solidtrace::bench::{RayKind, RaySets, Subject, generated};
+use solidtrace::bench::{RayKind, RaySets, Subject};
+use solidtrace::io::bare_scene;
 use solidtrace::math::Ray;
+use solidtrace::scene::generated;
 
 /// Rays of each kind: every so many of a picture's.
 const RAYS: usize = 32_768;
 
 fn engine(criterion: &mut Criterion) {
     for name in ["scan:70k", "sphere:2M"] {
-        let subject = generated(name).expect("a name").expect("a sound mesh");
+        let model = generated(name).expect("a name").expect("a count");
+        let scene = bare_scene(model, false).expect("something to see");
+        let subject = Subject::of_scene(scene).expect("a sound mesh");
         let accels = Kernel::available().into_iter().map(|kernel| {
             let options = AccelOptions {
                 kernel,

@@ -191,9 +191,7 @@ fn render_tile(
     rect: Rect,
     samples: &Range<u32>,
 ) -> Tile {
-    let pixels = (rect.y..rect.y + rect.height)
-        .flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
-    let keys: Vec<((u32, u32), u32)> = pixels
+    let keys: Vec<((u32, u32), u32)> = (rect.pixels())
         .flat_map(|pixel| samples.clone().map(move |index| (pixel, index)))
         .collect();
     let batch: Vec<CameraRay> = keys

@@ -1,12 +1,10 @@
 //! The ray engine beside its peers: what is raced over, the rays that are asked, and (feature `bench`) the race.
 
-mod generated;
 #[cfg(feature = "bench")]
 mod race;
 mod rays;
 mod subject;
 
-pub use generated::generated;
 #[cfg(feature = "bench")]
 pub use race::{
     Answers, Build, Engine, KindReport, REFERENCE, RaceOptions, Report, Row, plot, race,

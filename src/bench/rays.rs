@@ -4,8 +4,9 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::accel::Accel;
 use crate::error::{Error, Result};
+use crate::film::Rect;
 use crate::math::{Frame, Ray};
-use crate::sampling::{cosine_hemisphere, uniform_sphere};
+use crate::sampling::{cosine_hemisphere, random_chord};
 
 use super::Subject;
 
@@ -51,9 +52,6 @@ impl RayKind {
     }
 }
 
-/// Camera rays come in squares of so many pixels a side, as the renderer makes them.
-const TILE: u32 = 8;
-
 /// Sets of rays are cut to a multiple of this, so that packets are full.
 const PACKET: usize = 16;
 
@@ -72,15 +70,12 @@ impl RaySets {
         let bounds = subject.bounds();
         let (center, radius) = (bounds.center(), 0.5 * bounds.size().length());
         let on_film = |(x, y)| lens.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Vec2::splat(0.5));
-        let camera: Vec<Ray> = (pixels(size).map(on_film))
-            .map(|ray| exact(ray.origin, ray.direction, f64::INFINITY))
+        let camera: Vec<Ray> = (Rect::of_size(size).blocks())
+            .map(|pixel| of_unit_length(on_film(pixel)))
             .collect();
-        let mut around = || center + 1.1 * radius * on_sphere(&mut rng);
-        let chord = |_: &Ray| {
-            let (a, b) = (around(), around());
-            exact(a, b - a, f64::INFINITY)
-        };
-        let chords = camera.iter().map(chord).collect();
+        let chords = (camera.iter())
+            .map(|_| of_unit_length(random_chord(&bounds, &mut rng)))
+            .collect();
         let (mut bounce, mut shadow, mut occlusion) = (Vec::new(), Vec::new(), Vec::new());
         for ray in &camera {
             let Some(hit) = accel.intersect(ray) else {
@@ -95,11 +90,13 @@ impl RaySets {
             let p = ray.at(hit.t) + 1e-4 * radius * n;
             let local = cosine_hemisphere(Vec2::new(rng.random(), rng.random()));
             let out = Frame::around(n.as_vec3()).to_world(local).as_dvec3();
-            bounce.push(exact(p, out, f64::INFINITY));
-            occlusion.push(exact(p, out, 0.5 * radius));
+            let ray = of_unit_length(Ray::new(p, out));
+            bounce.push(ray);
+            occlusion.push(until(ray, 0.5 * radius));
             let mut across = || rng.random_range(-0.5..0.5);
             let light = center + radius * DVec3::new(across(), 2.0, across());
-            shadow.push(exact(p, light - p, 0.999 * p.distance(light)));
+            let ray = of_unit_length(Ray::new(p, light - p));
+            shadow.push(until(ray, 0.999 * p.distance(light)));
         }
         if bounce.len() < PACKET {
             return Err(Error::input(format!(
@@ -123,28 +120,11 @@ impl RaySets {
     }
 }
 
-/// All pixels, tile by tile.
-fn pixels((width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    let starts = |length: u32| (0..length).step_by(TILE as usize);
-    let tiles = starts(height).flat_map(move |y| starts(width).map(move |x| (x, y)));
-    let inside = move |(x0, y0): (u32, u32)| {
-        let columns = x0..width.min(x0 + TILE);
-        (y0..height.min(y0 + TILE)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
-    };
-    tiles.flat_map(inside)
+/// With a direction of length 1, to within an f32.
+fn of_unit_length(ray: Ray) -> Ray {
+    Ray::new(ray.origin, ray.direction.normalize()).rounded()
 }
 
-fn on_sphere(rng: &mut Pcg64Mcg) -> DVec3 {
-    uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3()
-}
-
-/// A ray whose numbers are f32; its direction has length 1 to within that.
-fn exact(origin: DVec3, direction: DVec3, tmax: f64) -> Ray {
-    Ray {
-        tmax: f64::from(tmax as f32),
-        ..Ray::new(
-            origin.as_vec3().as_dvec3(),
-            direction.normalize().as_vec3().as_dvec3(),
-        )
-    }
+fn until(ray: Ray, tmax: f64) -> Ray {
+    Ray { tmax, ..ray }.rounded()
 }

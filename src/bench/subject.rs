@@ -20,38 +20,6 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// `meshes` at `instances`, each once as it is where that is empty, seen from the front right.
-    ///
-    /// # Errors
-    /// Where a mesh is not valid.
-    pub fn new(meshes: Vec<Mesh>, instances: &[(usize, Transform)]) -> Result<Self> {
-        let mut instances = instances.to_vec();
-        if instances.is_empty() {
-            instances.extend((0..meshes.len()).map(|mesh| (mesh, Transform::IDENTITY)));
-        }
-        for mesh in &meshes {
-            mesh.validate()?;
-        }
-        let mut subject = Self {
-            meshes,
-            instances,
-            camera: Camera {
-                name: None,
-                eye: DVec3::ZERO,
-                look_at: DVec3::ZERO,
-                up: DVec3::Y,
-                vfov: 40_f64.to_radians(),
-                aperture: 0.0,
-                focus: None,
-            },
-        };
-        let bounds = subject.bounds();
-        let away = 1.6 * bounds.size().max_element();
-        subject.camera.look_at = bounds.center();
-        subject.camera.eye = bounds.center() + away * DVec3::new(0.45, 0.3, 0.84);
-        Ok(subject)
-    }
-
     /// The mesh instances of a scene, seen by its first camera. Solids, planes and CSG objects do not race.
     ///
     /// # Errors
@@ -71,22 +39,25 @@ impl Subject {
         for (mesh, _) in &placed {
             uses[*mesh] += 1;
         }
-        if uses.iter().any(|&uses| uses > 1) {
+        let camera = scene.cameras[0].clone();
+        let (meshes, instances): (Vec<Mesh>, Vec<_>) = if uses.iter().any(|&uses| uses > 1) {
             let kept = |mesh: usize| uses[..mesh].iter().filter(|&&uses| uses > 0).count();
-            let instances: Vec<_> = (placed.iter())
-                .map(|(mesh, at)| (kept(*mesh), *at))
-                .collect();
+            let instances = placed.iter().map(|(mesh, at)| (kept(*mesh), *at)).collect();
             let meshes = (scene.meshes.into_iter().zip(&uses))
                 .filter_map(|(mesh, &uses)| (uses > 0).then_some(mesh));
-            let camera = scene.cameras[0].clone();
-            let subject = Self::new(meshes.collect(), &instances)?;
-            return Ok(Self { camera, ..subject });
+            (meshes.collect(), instances)
+        } else {
+            let meshes = (placed.iter()).map(|(mesh, at)| in_place(&scene.meshes[*mesh], at));
+            let instances = (0..placed.len()).map(|mesh| (mesh, Transform::IDENTITY));
+            (meshes.collect(), instances.collect())
+        };
+        for mesh in &meshes {
+            mesh.validate()?;
         }
-        let meshes = (placed.iter()).map(|(mesh, at)| in_place(&scene.meshes[*mesh], at));
-        let subject = Self::new(meshes.collect(), &[])?;
         Ok(Self {
-            camera: scene.cameras[0].clone(),
-            ..subject
+            meshes,
+            instances,
+            camera,
         })
     }
 

@@ -18,6 +18,7 @@ mod arbiter;
 mod exact;
 mod heat;
 mod index;
+mod judge;
 mod meshes;
 mod rays;
 mod tally;
@@ -32,7 +33,7 @@ use rayon::prelude::*;
 
 use crate::accel::{Accel, AccelOptions, Hit, Kernel, Placed};
 use crate::camera::Lens;
-use crate::embree::{EmbreeHit, EmbreeOptions, EmbreeScene};
+use crate::embree::{EmbreeOptions, EmbreeScene};
 use crate::error::{Error, Result};
 use crate::geometry::{MeshId, Shape};
 use crate::math::Ray;
@@ -104,9 +105,9 @@ impl Report {
 pub struct Answers {
     /// Ours.
     pub ours: Answer,
-    /// Whether all our queries of this ray, single or in batches, for the closest hit or any, by whatever kernel, say
-    /// the same.
-    pub consistent: bool,
+    /// The first kernel of which a query of this ray, single or in a batch, for the closest hit or any, says something
+    /// else.
+    pub dissent: Option<Kernel>,
     /// Embree's: fast, then robust.
     pub embree: [Answer; 2],
 }
@@ -115,8 +116,7 @@ pub struct Answers {
 pub struct Checker<'a> {
     world: &'a World,
     lens: Lens,
-    /// By kernel.
-    ours: Vec<Accel>,
+    ours: Vec<(Kernel, Accel)>,
     /// Fast, then robust.
     embree: [EmbreeScene; 2],
     arbiter: Arbiter<'a>,
@@ -136,12 +136,6 @@ const SHOWN: usize = 10;
 
 /// Rays traced together.
 const CHUNK: u64 = 1 << 14;
-
-/// The longest side's square over twice the area from which on a triangle counts as a sliver.
-const SLIVER: f64 = 1000.0;
-
-/// The sine of the angle below which a ray grazes.
-const GRAZING: f64 = 0.0175;
 
 impl<'a> Checker<'a> {
     /// Builds all trees over the meshes of `world`; its other shapes are left out, see [`Meshes::left_out`].
@@ -170,7 +164,8 @@ impl<'a> Checker<'a> {
                 kernel,
                 ..AccelOptions::default()
             };
-            Accel::build_with(meshes.meshes(), &[], placed.clone(), options)
+            let accel = Accel::build_with(meshes.meshes(), &[], placed.clone(), options);
+            Ok((kernel, accel?))
         });
         let ours = ours.collect::<Result<_>>()?;
         let list: Vec<_> = meshes.iter().collect();
@@ -196,11 +191,16 @@ impl<'a> Checker<'a> {
         &self.arbiter
     }
 
+    /// Our kernels that are compared, all that this processor has.
+    pub fn kernels(&self) -> impl Iterator<Item = Kernel> {
+        self.ours.iter().map(|(kernel, _)| *kernel)
+    }
+
     /// Traces rays of all classes on all threads and judges every difference.
     pub fn run(&self, settings: &CheckSettings, observer: &dyn Observer) -> Report {
         let size = self.world.scene().film.size;
         let meshes = self.arbiter.meshes();
-        let maker = RayMaker::new(self.world, meshes, self.lens, self.ours[0].bounds());
+        let maker = RayMaker::new(self.world, meshes, self.lens, self.ours[0].1.bounds());
         let mut report = Report {
             classes: Vec::new(),
             heat_map: settings.heat_map.then(|| HeatMap::new(size)),
@@ -246,25 +246,25 @@ impl<'a> Checker<'a> {
     fn chunk(&self, maker: &RayMaker, chunk: &Chunk, by_pixel: bool) -> Found {
         let queries = maker.queries(chunk);
         let rays: Vec<Ray> = queries.iter().map(|query| query.ray).collect();
-        let (hits, consistent) = self.trace(&rays);
+        let (hits, dissents) = self.trace(&rays);
         let mut found = Found::default();
         for (i, query) in queries.iter().enumerate() {
-            let ours = hits[i].as_ref().map(claim);
+            let ours = hits[i].as_ref().map(Claim::from);
             let embree = self.embree.each_ref();
-            let answers = if chunk.class == RayClass::Shadow {
-                Answers {
-                    ours: Answer::Any(ours.is_some()),
-                    consistent: consistent[i],
-                    embree: embree.map(|embree| Answer::Any(embree.occluded(&query.peer))),
-                }
+            let (ours, embree) = if chunk.class == RayClass::Shadow {
+                let theirs = |embree: &EmbreeScene| Answer::Any(embree.occluded(&query.peer));
+                (Answer::Any(ours.is_some()), embree.map(theirs))
             } else {
-                Answers {
-                    ours: Answer::Closest(ours),
-                    consistent: consistent[i],
-                    embree: embree.map(|embree| {
-                        Answer::Closest(embree.intersect(&query.peer).as_ref().map(claim_of_embree))
-                    }),
-                }
+                let theirs = |embree: &EmbreeScene| {
+                    let hit = embree.intersect(&query.peer);
+                    Answer::Closest(hit.as_ref().map(Claim::from))
+                };
+                (Answer::Closest(ours), embree.map(theirs))
+            };
+            let answers = Answers {
+                ours,
+                dissent: dissents[i],
+                embree,
             };
             let outcome = self.judge(query, &answers);
             found.tally += &outcome;
@@ -278,143 +278,27 @@ impl<'a> Checker<'a> {
         found
     }
 
-    /// Our closest hits, and whether every other way of asking agrees.
-    fn trace(&self, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>) {
-        let hits: Vec<Option<Hit>> = rays.iter().map(|ray| self.ours[0].intersect(ray)).collect();
-        let mut consistent = vec![true; rays.len()];
+    /// Our closest hits, and of each the first kernel that gives another in any way of asking.
+    fn trace(&self, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<Option<Kernel>>) {
+        let first = &self.ours[0].1;
+        let hits: Vec<Option<Hit>> = rays.iter().map(|ray| first.intersect(ray)).collect();
+        let mut dissents = vec![None; rays.len()];
         let mut batch = vec![None; rays.len()];
         let mut blocked = vec![false; rays.len()];
-        for accel in &self.ours {
+        for (kernel, accel) in &self.ours {
             accel.intersect_batch(rays, &mut batch);
             accel.occluded_batch(rays, &mut blocked);
             for (i, ray) in rays.iter().enumerate() {
                 let any = hits[i].is_some();
-                consistent[i] &= batch[i] == hits[i]
+                let agrees = batch[i] == hits[i]
                     && accel.intersect(ray) == hits[i]
                     && blocked[i] == any
                     && accel.occluded(ray) == any;
+                if !agrees && dissents[i].is_none() {
+                    dissents[i] = Some(*kernel);
+                }
             }
         }
-        (hits, consistent)
-    }
-
-    /// Compares the answers to one ray, and asks the arbiter where they differ.
-    pub fn judge(&self, query: &Query, answers: &Answers) -> Outcome {
-        let mut outcome = Outcome {
-            hit: !matches!(answers.ours, Answer::Closest(None) | Answer::Any(false)),
-            ours_wrong: !answers.consistent,
-            ..Outcome::default()
-        };
-        for (i, theirs) in answers.embree.iter().enumerate() {
-            outcome.differs[i] = match (&answers.ours, theirs) {
-                (Answer::Closest(Some(a)), Answer::Closest(Some(b))) => {
-                    let bound = self
-                        .dt_bound(query, a.spot)
-                        .max(self.dt_bound(query, b.spot));
-                    let dt = (a.t - b.t).abs();
-                    if dt <= bound {
-                        outcome.tie |= a.spot != b.spot;
-                        let same = a.spot == b.spot && bound > 0.0;
-                        outcome.dt = outcome.dt.max(if same { dt / bound } else { 0.0 });
-                    }
-                    dt > bound
-                }
-                (a, b) => a != b,
-            };
-        }
-        if !outcome.differs.contains(&true) {
-            return outcome;
-        }
-        let named = self.named(query, answers);
-        let spots: Vec<Spot> = named.iter().map(|claim| claim.spot).collect();
-        let wrong = |ray: &Ray, answer: &Answer, rounding: Rounding| {
-            self.arbiter.judge(ray, answer, &spots, rounding) == Verdict::Wrong
-        };
-        outcome.ours_wrong |= wrong(&query.ray, &answers.ours, Rounding::F64);
-        for (i, theirs) in answers.embree.iter().enumerate() {
-            outcome.embree_wrong[i] =
-                outcome.differs[i] && wrong(&query.peer, theirs, Rounding::F32);
-        }
-        if !outcome.ours_wrong && !outcome.embree_wrong.contains(&true) {
-            outcome.reason = Some(self.reason(query, &named));
-        }
-        outcome
-    }
-
-    /// How far Embree's `t` may be from ours on a triangle: its rounding of corners and ray.
-    fn dt_bound(&self, query: &Query, spot: Spot) -> f64 {
-        let bound = self.arbiter.bound(&query.peer, spot, Rounding::F32);
-        if query.ray == query.peer {
-            return bound;
-        }
-        // Rounding the origin moves the ray as rounding the corners would move the triangle.
-        let moved = query.ray.origin.distance(query.peer.origin);
-        let [a, b, c] = self.arbiter.meshes().corners(spot);
-        let normal = (b - a).cross(c - a);
-        bound + moved * normal.length() / normal.dot(query.ray.direction).abs()
-    }
-
-    /// The hits that the answers speak of; where they only say whether there is any, the closest.
-    fn named(&self, query: &Query, answers: &Answers) -> Vec<Claim> {
-        let all = std::iter::once(&answers.ours).chain(&answers.embree);
-        let mut named: Vec<Claim> = all
-            .filter_map(|answer| match answer {
-                Answer::Closest(claim) => *claim,
-                Answer::Any(_) => None,
-            })
-            .collect();
-        if matches!(answers.ours, Answer::Any(_)) {
-            named.extend(self.ours[0].intersect(&query.ray).as_ref().map(claim));
-            let theirs = self.embree.iter().filter_map(|e| e.intersect(&query.peer));
-            named.extend(theirs.map(|hit| claim_of_embree(&hit)));
-        }
-        named
-    }
-
-    /// Why answers differ, none of which is wrong.
-    fn reason(&self, query: &Query, named: &[Claim]) -> Reason {
-        let at_an_end = |claim: &Claim| {
-            let slack = self.dt_bound(query, claim.spot);
-            claim.t < query.peer.tmin + slack || claim.t > query.peer.tmax - slack
-        };
-        let shape = |claim: &Claim| {
-            let [a, b, c] = self.arbiter.meshes().corners(claim.spot);
-            let longest = (b - a).length_squared().max((c - a).length_squared());
-            let normal = (b - a).cross(c - a);
-            let sine = normal.dot(query.ray.direction) / query.ray.direction.length();
-            (
-                longest.max((c - b).length_squared()) / normal.length(),
-                sine.abs() / normal.length(),
-            )
-        };
-        if named.iter().any(|claim| shape(claim).0 > SLIVER) {
-            Reason::Sliver
-        } else if named.iter().any(|claim| shape(claim).1 < GRAZING) {
-            Reason::Grazing
-        } else if named.iter().any(at_an_end) {
-            Reason::End
-        } else {
-            Reason::Edge
-        }
-    }
-}
-
-fn claim(hit: &Hit) -> Claim {
-    Claim {
-        t: hit.t,
-        spot: Spot {
-            instance: hit.instance,
-            primitive: hit.primitive,
-        },
-    }
-}
-
-fn claim_of_embree(hit: &EmbreeHit) -> Claim {
-    Claim {
-        t: f64::from(hit.t),
-        spot: Spot {
-            instance: hit.geometry,
-            primitive: hit.primitive,
-        },
+        (hits, dissents)
     }
 }

@@ -4,9 +4,10 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::camera::Lens;
 use crate::color::Rgb;
+use crate::film::Rect;
 use crate::integrator::{CameraRay, PathIntegrator, Probe};
 use crate::math::{Bounds, Ray};
-use crate::sampling::{Sampler, SamplerKind, uniform_sphere};
+use crate::sampling::{Sampler, SamplerKind, point_around, random_chord};
 use crate::scene::{IntegratorSettings, Scene};
 use crate::world::World;
 
@@ -87,8 +88,8 @@ pub(super) struct RayMaker<'a> {
     meshes: &'a Meshes<'a>,
     lens: Lens,
     integrator: PathIntegrator,
-    center: DVec3,
-    radius: f64,
+    /// Of the meshes.
+    bounds: Bounds,
 }
 
 /// Paths that the path tracer takes at once.
@@ -98,7 +99,6 @@ const PATHS: usize = 2048;
 const PATIENCE: u32 = 8;
 
 impl<'a> RayMaker<'a> {
-    /// `bounds` are those of the meshes.
     pub(super) fn new(
         world: &'a World,
         meshes: &'a Meshes<'a>,
@@ -108,8 +108,7 @@ impl<'a> RayMaker<'a> {
         Self {
             lens,
             integrator: integrator(world.scene()),
-            center: bounds.center(),
-            radius: 0.5 * bounds.size().length(),
+            bounds,
             world,
             meshes,
         }
@@ -130,17 +129,18 @@ impl<'a> RayMaker<'a> {
         }
     }
 
-    /// Through a grid over the picture with about as many cells as there are rays, but at most one a pixel; cells follow
-    /// each other in blocks of 8x8, as a renderer's packets do.
+    /// Through a grid over the picture with about as many cells as there are rays, but at most one a pixel, over and
+    /// over again.
     fn camera(&self, chunk: &Chunk, rng: &mut Pcg64Mcg) -> Vec<Query> {
         let (width, height) = self.world.scene().film.size;
         let part = (chunk.total as f64 / (f64::from(width) * f64::from(height))).sqrt();
         let cells = |side: u32| ((f64::from(side) * part).ceil() as u32).clamp(1, side);
         let (columns, rows) = (cells(width), cells(height));
-        let numbers = chunk.first..chunk.first + chunk.count as u64;
-        numbers
-            .map(|n| {
-                let (column, row) = cell(n, columns, rows);
+        let first = chunk.first % (u64::from(columns) * u64::from(rows));
+        let grid = Rect::of_size((columns, rows)).blocks().cycle();
+        grid.skip(first as usize)
+            .take(chunk.count)
+            .map(|(column, row)| {
                 let along = |cell: u32, cells: u32, side: u32, jitter: f64| {
                     (f64::from(cell) + jitter) / f64::from(cells) * f64::from(side)
                 };
@@ -189,42 +189,49 @@ impl<'a> RayMaker<'a> {
     }
 
     fn off_surface(&self, ray: Ray) -> Query {
-        let scale = ray.origin.abs().max_element() + self.radius;
-        let clear = (2.0_f64.powi(-16) * scale / ray.direction.length()) as f32;
-        let clear = f64::from(clear);
+        let scale = ray.origin.abs().max_element() + self.radius();
+        let clear = 2.0_f64.powi(-16) * scale / ray.direction.length();
+        let peer = Ray {
+            tmin: ray.tmin + clear,
+            tmax: ray.tmax - clear,
+            ..ray
+        };
         Query {
             ray,
-            peer: Ray {
-                tmin: ray.tmin + clear,
-                tmax: ray.tmax - clear,
-                ..rounded(ray)
-            },
+            peer: peer.rounded(),
             pixel: None,
         }
     }
 
     fn aimed(&self, class: RayClass, rng: &mut Pcg64Mcg) -> Ray {
         match class {
-            RayClass::Vertex => between(self.around(2.0, rng), self.corners(rng)[0]),
+            RayClass::Vertex => {
+                let vertex = self.corners(rng)[0];
+                self.at(vertex, rng)
+            }
             RayClass::Edge => {
                 let [a, b, _] = self.corners(rng);
-                between(self.around(2.0, rng), a.lerp(b, rng.random()))
+                self.at(a.lerp(b, rng.random()), rng)
             }
             RayClass::Axis => {
                 let mut origin = self.corners(rng)[0];
                 let axis = rng.random_range(0..3);
                 let sign = if rng.random() { 1.0 } else { -1.0 };
-                origin[axis] = self.center[axis] - sign * 1.5 * self.radius;
+                origin[axis] = self.bounds.center()[axis] - sign * 1.5 * self.radius();
                 Ray::new(origin, sign * DVec3::AXES[axis])
             }
-            _ => between(self.around(1.1, rng), self.around(1.1, rng)),
+            _ => random_chord(&self.bounds, rng),
         }
     }
 
-    /// A point of the sphere around the meshes, `scale` times as large.
-    fn around(&self, scale: f64, rng: &mut Pcg64Mcg) -> DVec3 {
-        let d = uniform_sphere(Vec2::new(rng.random(), rng.random()));
-        self.center + scale * self.radius * d.as_dvec3()
+    /// From the surrounding sphere at a point, which the rounding of the origin does not move.
+    fn at(&self, point: DVec3, rng: &mut Pcg64Mcg) -> Ray {
+        let origin = point_around(&self.bounds, 2.0, rng).as_vec3().as_dvec3();
+        Ray::new(origin, point - origin)
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.bounds.size().length()
     }
 
     fn corners(&self, rng: &mut Pcg64Mcg) -> [DVec3; 3] {
@@ -270,33 +277,9 @@ fn integrator(scene: &Scene) -> PathIntegrator {
     }
 }
 
-/// Column and row of the cell with the number `n`, over and over again, in strips of eight rows.
-fn cell(n: u64, columns: u32, rows: u32) -> (u32, u32) {
-    let n = n % (u64::from(columns) * u64::from(rows));
-    let strip = n / (8 * u64::from(columns));
-    let top = 8 * strip as u32;
-    let height = u64::from((rows - top).min(8));
-    let rest = n - 8 * u64::from(columns) * strip;
-    ((rest / height) as u32, top + (rest % height) as u32)
-}
-
-/// From `a` through `b`, the direction taken from the rounded origin, of any length.
-fn between(a: DVec3, b: DVec3) -> Ray {
-    let a = a.as_vec3().as_dvec3();
-    Ray::new(a, b - a)
-}
-
-fn rounded(ray: Ray) -> Ray {
-    Ray {
-        origin: ray.origin.as_vec3().as_dvec3(),
-        direction: ray.direction.as_vec3().as_dvec3(),
-        ..ray
-    }
-}
-
 /// One ray for both sides.
 fn exact(ray: Ray) -> Query {
-    let ray = rounded(ray);
+    let ray = ray.rounded();
     Query {
         ray,
         peer: ray,
@@ -306,30 +289,7 @@ fn exact(ray: Ray) -> Query {
 
 /// Two points that round to the same one make no ray.
 fn is_ray(ray: &Ray) -> bool {
-    let ray = rounded(*ray);
+    let ray = ray.rounded();
     let finite = ray.origin.is_finite() && ray.direction.is_finite();
     finite && ray.direction != DVec3::ZERO && ray.tmin < ray.tmax
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_cell_comes_once_a_round_and_neighbours_together() {
-        for (columns, rows) in [(5, 3), (16, 16), (31, 17), (1, 40)] {
-            let count = columns * rows;
-            let cells: Vec<_> = (0..u64::from(count))
-                .map(|n| cell(n, columns, rows))
-                .collect();
-            let mut seen = vec![false; count as usize];
-            for &(x, y) in &cells {
-                let at = &mut seen[(y * columns + x) as usize];
-                assert!(!std::mem::replace(at, true), "{x} {y} again");
-            }
-            assert_eq!(cell(count.into(), columns, rows), cells[0]);
-        }
-        let near = |n| cell(n, 640, 480);
-        assert!((0..64).all(|n| near(n).0 < 8 && near(n).1 < 8));
-    }
 }

@@ -1,4 +1,3 @@
-use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 use std::thread::available_parallelism;
@@ -6,11 +5,12 @@ use std::thread::available_parallelism;
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use crate::bench::{Build, REFERENCE, RaceOptions, Report, Subject, generated, plot, race};
+use crate::bench::{Build, REFERENCE, RaceOptions, Report, Subject, plot, race};
 use crate::error::{Place, Result};
 use crate::io::{check_writable, write_atomically};
 
 use super::progress::Status;
+use super::table::table;
 use super::values::parse_size;
 use super::{InputArgs, grouped, warn};
 
@@ -45,13 +45,9 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
     let input = args.input.input.display().to_string();
     let status = Status::new();
     status.tell("reading");
-    let subject = if let Some(subject) = generated(&input) {
-        subject?
-    } else {
-        let scene = args.input.read()?;
-        warn(&scene.warnings);
-        Subject::of_scene(scene).map_err(|e| e.at(Place::file(&input)))?
-    };
+    let scene = args.input.read()?;
+    warn(&scene.warnings);
+    let subject = Subject::of_scene(scene).map_err(|e| e.at(Place::file(&input)))?;
     let options = RaceOptions {
         threads: args.threads,
         rounds: args.rounds as usize,
@@ -69,7 +65,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
     if args.json {
         println!("{}", json(&report, &input));
     } else {
-        print!("{}", table(&report, &title));
+        print!("{}", text(&report, &title));
     }
     if let Some(path) = &args.plot {
         write_atomically(path, plot(&report, &title).as_bytes(), args.force)?;
@@ -116,54 +112,40 @@ fn disagreements(report: &Report) -> Vec<String> {
 }
 
 /// For people.
-fn table(report: &Report, title: &str) -> String {
-    let mut out = format!("{title}\n\n");
+fn text(report: &Report, title: &str) -> String {
     let number = |n: Option<f64>| n.map_or_else(|| "-".to_owned(), |n| format!("{n:.0}"));
-    let _ = writeln!(
-        out,
-        "{:<16}{:>9}{:>18}{:>8}",
-        "build", "s", "bytes a triangle", "peak"
-    );
-    for build in &report.builds {
-        let _ = writeln!(
-            out,
-            "{:<16}{:>9.3}{:>18}{:>8}",
-            build.engine,
-            build.seconds,
+    let builds = report.builds.iter().map(|build| {
+        vec![
+            build.engine.clone(),
+            format!("{:.3}", build.seconds),
             number(build.bytes_per_triangle),
-            number(build.peak_bytes_per_triangle)
-        );
-    }
+            number(build.peak_bytes_per_triangle),
+        ]
+    });
+    let heads = ["build", "s", "bytes a triangle", "peak"];
+    let mut parts = vec![format!("{title}\n"), table(&heads, builds)];
     for kind in &report.kinds {
-        let _ = writeln!(
-            out,
-            "\n{:<16}{:>9}{:>18}{:>8}   {} rays, {}",
-            kind.kind.name(),
-            "Mrays/s",
-            "least to most",
-            "ratio",
-            grouped(kind.rays as u64),
-            if kind.kind.any_hit() {
-                "any hit"
-            } else {
-                "closest hit"
-            }
-        );
-        for row in &kind.rows {
-            let spread = format!("{:.2} to {:.2}", row.min, row.max);
-            let mark = if row.agrees { "" } else { "   other hits" };
-            let _ = writeln!(
-                out,
-                "{:<16}{:>9.2}{spread:>18}{:>8.2}{mark}",
-                row.engine, row.median, row.ratio
-            );
-        }
+        let query = if kind.kind.any_hit() {
+            "any hit"
+        } else {
+            "closest hit"
+        };
+        let rows = kind.rows.iter().map(|row| {
+            let mark = if row.agrees { "" } else { "other hits" };
+            let mut cells = vec![row.engine.clone()];
+            let speeds = [row.median, row.min, row.max, row.ratio];
+            cells.extend(speeds.map(|speed| format!("{speed:.2}")));
+            cells.push(mark.to_owned());
+            cells
+        });
+        let heads = [kind.kind.name(), "Mrays/s", "least", "most", "ratio", ""];
+        let rays = grouped(kind.rays as u64);
+        parts.push(format!("{rays} rays, {query}\n{}", table(&heads, rows)));
     }
-    let _ = writeln!(
-        out,
-        "\nratio: to {REFERENCE} in the same round, median of the rounds"
-    );
-    out
+    parts.push(format!(
+        "ratio: to {REFERENCE} in the same round, median of the rounds\n"
+    ));
+    parts.join("\n")
 }
 
 /// For programs.

@@ -1,4 +1,3 @@
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -6,6 +5,7 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 
+use crate::accel::Kernel;
 use crate::check::{
     Answer, Answers, CheckSettings, Checker, Claim, Query, RayClass, Report, Spot, Tally,
 };
@@ -14,6 +14,7 @@ use crate::io::{WriteOptions, check_image_path, write_image};
 use crate::math::Ray;
 
 use super::progress::{Progress, catch_interrupts, interrupted};
+use super::table::table;
 use super::{INTERRUPTED, InputArgs, grouped, is_png, warn};
 
 #[derive(Args)]
@@ -55,6 +56,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<ExitCode> {
         let count = grouped(left_out as u64);
         eprintln!("note: objects left out, because Embree knows meshes alone: {count}");
     }
+    let kernels: Vec<&str> = checker.kernels().map(Kernel::name).collect();
     catch_interrupts();
     let settings = CheckSettings {
         rays: args.rays,
@@ -80,10 +82,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<ExitCode> {
     }
     if args.json {
         let input = args.input.input.display().to_string();
-        println!("{}", json(&input, &report, seconds));
+        println!("{}", json(&input, &report, &kernels, seconds));
     } else {
-        print!("{}", table(&report));
-        println!("{}", closing_line(&report.sum(), seconds));
+        print!("{}", classes(&report));
+        println!("{}", closing_line(&report.sum(), &kernels, seconds));
     }
     Ok(exit_code(&report))
 }
@@ -107,13 +109,12 @@ fn accusation(query: &Query, answers: &Answers) -> String {
             format!("triangle {primitive} of mesh object {instance} at t {t}")
         }
     };
-    let ours = if answers.consistent {
-        told(&answers.ours)
-    } else {
-        format!("{}, or not, by how we are asked", told(&answers.ours))
-    };
+    let dissent = answers.dissent.map_or_else(String::new, |kernel| {
+        format!(", or not, where the kernel {} is asked", kernel.name())
+    });
     format!(
-        "wrong: from {origin} along {direction}, {tmin} < t < {tmax}: we say {ours}; Embree {}, robust {}",
+        "wrong: from {origin} along {direction}, {tmin} < t < {tmax}: we say {}{dissent}; Embree {}, robust {}",
+        told(&answers.ours),
         told(&answers.embree[0]),
         told(&answers.embree[1])
     )
@@ -131,8 +132,8 @@ fn exit_code(report: &Report) -> ExitCode {
     }
 }
 
-/// Columns as wide as they must be.
-fn table(report: &Report) -> String {
+/// A row for each class, and one for all.
+fn classes(report: &Report) -> String {
     let heads = [
         "class",
         "rays",
@@ -166,42 +167,29 @@ fn table(report: &Report) -> String {
         row.push(format!("{:.3}", t.worst_dt));
         row
     });
-    let mut lines = vec![heads.map(str::to_owned).to_vec()];
-    lines.extend(rows);
-    let width = |column: usize| lines.iter().map(|line| line[column].len()).max();
-    let widths: Vec<usize> = (0..heads.len()).filter_map(width).collect();
-    let mut text = String::new();
-    for line in &lines {
-        let mut cells = line.iter().zip(&widths);
-        if let Some((name, width)) = cells.next() {
-            let _ = write!(text, "{name:width$}");
-        }
-        for (cell, width) in cells {
-            let _ = write!(text, "  {cell:>width$}");
-        }
-        text.push('\n');
-    }
-    text
+    table(&heads, rows)
 }
 
-fn closing_line(sum: &Tally, seconds: f64) -> String {
+fn closing_line(sum: &Tally, kernels: &[&str], seconds: f64) -> String {
     format!(
-        "{} rays checked in {seconds:.2} s, {:.2} Mrays/s; ours wrong {}, Embree {}, Embree robust {}",
+        "{} rays checked in {seconds:.2} s, {:.2} Mrays/s; ours wrong {} ({}), Embree {}, Embree robust {}",
         grouped(sum.rays),
         sum.rays as f64 / seconds.max(1e-9) / 1e6,
         grouped(sum.ours_wrong),
+        kernels.join(", "),
         grouped(sum.embree_wrong),
         grouped(sum.robust_wrong),
     )
 }
 
-fn json(input: &str, report: &Report, seconds: f64) -> Value {
+fn json(input: &str, report: &Report, kernels: &[&str], seconds: f64) -> Value {
     let mut object = tally_json(&report.sum());
     let classes = (report.classes.iter())
         .map(|(class, tally)| (class.name().to_owned(), tally_json(tally)))
         .collect::<serde_json::Map<_, _>>();
     object["input"] = json!(input);
     object["seconds"] = json!(seconds);
+    object["kernels"] = json!(kernels);
     object["classes"] = json!(classes);
     object
 }

@@ -7,6 +7,8 @@ mod check;
 mod info;
 mod progress;
 mod render;
+#[cfg(feature = "embree")]
+mod table;
 mod trace;
 mod values;
 
@@ -19,8 +21,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::error::Error;
 use crate::error::{ErrorKind, Place, Result};
 use crate::geometry::{CsgId, Shape};
-use crate::io::{OpenMeshOperands, ReadOptions, read_scene};
-use crate::scene::Scene;
+use crate::io::{OpenMeshOperands, ReadOptions, bare_scene, read_scene};
+use crate::scene::{Scene, generated};
 use crate::world::World;
 
 /// Renders triangle meshes and exact analytic solids.
@@ -40,34 +42,46 @@ enum Command {
     /// Compare ray hits with Embree's and judge every difference
     #[cfg(feature = "embree")]
     Check(check::CheckArgs),
-    /// Compare ray hits with Embree's (needs a build with `--features embree`)
+    /// Compare ray hits with Embree's and judge every difference (not in this build)
     #[cfg(not(feature = "embree"))]
     #[command(disable_help_flag = true)]
-    Check {
-        #[arg(hide = true, num_args = 0.., allow_hyphen_values = true)]
-        _arguments: Vec<String>,
-    },
+    Check(LeftOut),
     /// Show what a scene or model holds
     Info(info::InfoArgs),
     /// Race the ray engine against its peers over a scene's meshes
     #[cfg(feature = "bench")]
-    #[command(
-        after_help = "Generated inputs: scan:70k, sphere:2M, slivers:100k (about so many triangles), instances:1000"
-    )]
     Bench(bench::BenchArgs),
     /// Race the ray engine against its peers (not in this build)
     #[cfg(not(feature = "bench"))]
     #[command(disable_help_flag = true)]
-    Bench {
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-        _args: Vec<std::ffi::OsString>,
-    },
+    Bench(LeftOut),
+}
+
+/// What follows the name of a command that this build does not have.
+#[cfg(not(feature = "bench"))]
+#[derive(Args)]
+struct LeftOut {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    _args: Vec<std::ffi::OsString>,
+}
+
+#[cfg(not(feature = "bench"))]
+impl LeftOut {
+    fn error(feature: &str) -> Error {
+        let build = "tests/with-embree.sh cargo build --release --features";
+        Error::new(
+            ErrorKind::Usage,
+            "this command is not in this build, which has no Embree",
+        )
+        .help(format!("build with `{build} {feature}`"))
+    }
 }
 
 /// What every subcommand reads.
 #[derive(Args)]
 struct InputArgs {
-    /// A scene (.ron, .json) or a model (.obj, .gltf, .glb)
+    /// A scene (.ron, .json), a model (.obj, .gltf, .glb), or a generated one: scan:70k, sphere:2M or slivers:100k of
+    /// about so many triangles, instances:1000
     input: PathBuf,
     /// Let the scene use files of this folder too; may be repeated
     #[arg(long, value_name = "DIR")]
@@ -87,6 +101,10 @@ enum OpenMeshName {
 
 impl InputArgs {
     fn read(&self) -> Result<Scene> {
+        let name = self.input.to_str().filter(|_| !self.input.exists());
+        if let Some(model) = name.and_then(generated) {
+            return bare_scene(model?, false);
+        }
         let options = ReadOptions {
             allow_paths: self.allow_path.clone(),
             open_mesh_operands: match self.open_mesh_operands {
@@ -145,20 +163,12 @@ pub fn run() -> ExitCode {
         #[cfg(feature = "embree")]
         Command::Check(args) => check::run(&args),
         #[cfg(not(feature = "embree"))]
-        Command::Check { .. } => Err(Error::new(
-            ErrorKind::Usage,
-            "this build has no Embree to check against",
-        )
-        .help("build with `tests/with-embree.sh cargo build --release --features embree`")),
+        Command::Check(_) => Err(LeftOut::error("embree")),
         Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
         #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(&args).map(|()| ExitCode::SUCCESS),
         #[cfg(not(feature = "bench"))]
-        Command::Bench { .. } => Err(Error::new(
-            ErrorKind::Usage,
-            "this build has no Embree to race against",
-        )
-        .help("build with `tests/with-embree.sh cargo build --release --features bench`")),
+        Command::Bench(_) => Err(LeftOut::error("bench")),
     };
     outcome.unwrap_or_else(|error| {
         eprintln!("error: {error}");

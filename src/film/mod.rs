@@ -89,7 +89,7 @@ impl Rect {
     ///
     /// # Panics
     /// Where `edge` is 0.
-    pub fn tiles(self, edge: u32) -> impl Iterator<Item = Self> {
+    pub fn tiles(self, edge: u32) -> impl Iterator<Item = Self> + Clone {
         let steps = move |length: u32| {
             (0..length)
                 .step_by(edge as usize)
@@ -103,6 +103,17 @@ impl Rect {
                 height,
             })
         })
+    }
+
+    /// Column and row of each of its pixels, row by row.
+    pub fn pixels(self) -> impl Iterator<Item = (u32, u32)> + Clone {
+        let columns = self.x..self.x + self.width;
+        (self.y..self.y + self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+    }
+
+    /// The same in squares of eight by eight, so that rays through pixels that follow each other go together.
+    pub fn blocks(self) -> impl Iterator<Item = (u32, u32)> + Clone {
+        self.tiles(8).flat_map(Self::pixels)
     }
 
     /// Whether all of `other` lies inside.

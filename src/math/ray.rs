@@ -26,6 +26,17 @@ impl Ray {
         }
     }
 
+    /// With every number rounded to f32: what engines that compute in f32 can be asked exactly.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        Self {
+            origin: self.origin.as_vec3().as_dvec3(),
+            direction: self.direction.as_vec3().as_dvec3(),
+            tmin: f64::from(self.tmin as f32),
+            tmax: f64::from(self.tmax as f32),
+        }
+    }
+
     /// The point at parameter `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction

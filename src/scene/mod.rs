@@ -1,10 +1,12 @@
 //! What is to be rendered: as authored (`description`) and with every file read and name resolved (`Scene`).
 
 pub mod description;
+mod generated;
 mod model;
 mod repeat;
 
 pub use description::SceneDescription;
+pub use generated::generated;
 pub use model::{Model, Part};
 pub use repeat::Repeat;
 

@@ -434,3 +434,24 @@ fn triangles_that_are_left_out_are_counted_and_a_mesh_without_any_other_is_an_er
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("none.obj"), "{}", stderr(&output));
 }
+
+#[test]
+fn generated_models_are_inputs_like_files_and_a_file_of_such_a_name_comes_first() {
+    let folder = TempDir::new().unwrap();
+    let triangles = |input: &str| {
+        let output = run(folder.path(), &["info", input, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        info["triangles"].as_u64().unwrap()
+    };
+    assert_eq!(triangles("sphere:800"), 800);
+    fs::write(
+        folder.path().join("sphere:1.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    )
+    .unwrap();
+    assert_eq!(triangles("sphere:1.obj"), 1);
+    let output = run(folder.path(), &["render", "spere:800"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("did you mean `sphere`?"));
+}

@@ -161,16 +161,29 @@ fn tiles_cover_every_pixel_once() {
             .inspect(|tile| {
                 assert!(rect.contains(*tile) && tile.width <= edge && tile.height <= edge);
             })
-            .flat_map(|tile| {
-                (tile.y..tile.y + tile.height)
-                    .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (y, x)))
-            })
+            .flat_map(Rect::pixels)
             .collect();
-        seen.sort_unstable();
-        let all: Vec<_> = (11..11 + height)
-            .flat_map(|y| (3..3 + width).map(move |x| (y, x)))
+        let mut in_blocks: Vec<(u32, u32)> = rect.blocks().collect();
+        let all: Vec<_> = (3..3 + width)
+            .flat_map(|x| (11..11 + height).map(move |y| (x, y)))
             .collect();
-        assert_eq!(seen, all);
+        for pixels in [&mut seen, &mut in_blocks] {
+            pixels.sort_unstable();
+            assert_eq!(*pixels, all);
+        }
+    }
+}
+
+#[test]
+fn each_64_pixels_of_a_picture_are_a_square_of_8_by_8() {
+    let blocks: Vec<(u32, u32)> = Rect::of_size((40, 24)).blocks().collect();
+    for block in blocks.chunks(64) {
+        let (x, y) = block[0];
+        assert!((x | y).is_multiple_of(8));
+        assert!(
+            block.iter().all(|p| p.0 - x < 8 && p.1 - y < 8),
+            "{block:?}"
+        );
     }
 }
 

@@ -1,6 +1,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use solidtrace::accel::Kernel;
 use solidtrace::check::{
     Answer, Answers, Arbiter, Checker, Claim, Meshes, Outcome, Query, Reason, Rounding, Spot,
     Verdict,
@@ -221,7 +222,7 @@ fn planted(change: impl Fn(&mut Answers, Claim)) -> Outcome {
     let answer = Answer::Closest(Some(truth));
     let mut answers = Answers {
         ours: answer,
-        consistent: true,
+        dissent: None,
         embree: [answer; 2],
     };
     change(&mut answers, truth);
@@ -262,7 +263,7 @@ fn a_planted_wrong_answer_is_found_whoever_gives_it() {
             assert!(!theirs.embree_wrong[1 - i], "{theirs:?}");
         }
     }
-    let torn = planted(|answers, _| answers.consistent = false);
+    let torn = planted(|answers, _| answers.dissent = Some(Kernel::Portable));
     assert!(torn.ours_wrong);
 }
 
@@ -279,7 +280,7 @@ fn what_f32_cannot_tell_is_nobodys_fault() {
         };
         let answers = Answers {
             ours,
-            consistent: true,
+            dissent: None,
             embree: [ours, theirs],
         };
         checker.judge(&query, &answers)

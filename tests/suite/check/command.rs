@@ -3,6 +3,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
+use solidtrace::accel::Kernel;
 use solidtrace::io::read_exr;
 use tempfile::TempDir;
 
@@ -193,6 +194,27 @@ fn the_table_has_a_row_for_each_class_and_a_closing_line() {
         lines[9].contains("Mrays/s") && lines[9].contains("ours wrong 0"),
         "{text}"
     );
+}
+
+#[test]
+fn generated_meshes_are_checked_on_every_kernel_of_the_processor() {
+    let folder = TempDir::new().unwrap();
+    for name in ["scan:2k", "slivers:20k", "instances:20"] {
+        let report = report(&check(folder.path(), &[name, "--rays", "7000", "--json"]));
+        assert_eq!(
+            (&report["input"], &report["rays"]),
+            (&name.into(), &7000.into())
+        );
+        let kernels: Vec<&str> = Kernel::available().into_iter().map(Kernel::name).collect();
+        assert_eq!(report["kernels"], Value::from(kernels));
+        for class in ["camera", "chord", "vertex", "edge", "axis"] {
+            let tally = &report["classes"][class];
+            assert!(
+                tally["hits"].as_u64().unwrap() > 20,
+                "{name} {class}: {tally}"
+            );
+        }
+    }
 }
 
 #[test]

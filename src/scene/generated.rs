@@ -1,17 +1,17 @@
-//! Subjects made by formulas, by name: `sphere:2M`, `scan:70k`, `slivers:100k`, `instances:1000`.
+//! Models made by formulas, by name: `sphere:2M`, `scan:70k`, `slivers:100k`, `instances:1000`.
 
 use std::f64::consts::TAU;
 
-use glam::{DAffine3, DQuat, DVec3, Vec2};
+use glam::{DAffine3, DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
 use crate::geometry::Mesh;
 use crate::math::Transform;
-use crate::sampling::uniform_sphere;
+use crate::sampling::random_direction;
 
-use super::Subject;
+use super::{Model, Part};
 
 const NAMES: [&str; 4] = ["sphere", "scan", "slivers", "instances"];
 
@@ -21,30 +21,41 @@ const MOST: f64 = 2e7;
 /// Triangles of a mesh that is placed many times.
 const INSTANCED: usize = 20_000;
 
-/// The subject that `name` asks for: a kind, and about how many triangles it shall have, or how many instances;
-/// `None` where it is the name of something else.
+/// The model that `name` asks for: a kind, and about how many triangles it shall have, or how many instances; `None`
+/// where it is the name of something else.
 ///
 /// # Errors
 /// Where it has the form of such a name, but no such kind or number exists.
-pub fn generated(name: &str) -> Option<Result<Subject>> {
+pub fn generated(name: &str) -> Option<Result<Model>> {
     let (kind, count) = name.split_once(':')?;
     let looks_so = kind.chars().all(char::is_alphabetic) && kind.len() > 1;
     looks_so.then(|| {
         let wrong = |message, help| Err(Error::new(ErrorKind::Usage, message).help(help));
         if !NAMES.contains(&kind) {
-            let message = format!("there is no generated subject `{kind}`");
+            let message = format!("there is no generated model `{kind}`");
             return wrong(message, did_you_mean(kind, NAMES));
         }
         let Some(count) = parse_count(count) else {
             let message = format!("`{count}` is not a count from 1 to {MOST:e}");
             return wrong(message, "write it as 70k, 2M or 1000".to_owned());
         };
-        match kind {
-            "sphere" => Subject::new(vec![sphere(count)], &[]),
-            "scan" => Subject::new(vec![scan(count)], &[]),
-            "slivers" => Subject::new(vec![slivers(count)], &[]),
-            _ => Subject::new(vec![scan(INSTANCED)], &scattered(count)),
-        }
+        let (mesh, places) = match kind {
+            "sphere" => (sphere(count), vec![Transform::IDENTITY]),
+            "scan" => (scan(count), vec![Transform::IDENTITY]),
+            "slivers" => (slivers(count), vec![Transform::IDENTITY]),
+            _ => (scan(INSTANCED), scattered(count)),
+        };
+        let parts = places.into_iter().map(|place| Part {
+            name: None,
+            mesh: 0,
+            materials: Vec::new(),
+            model_from_mesh: place,
+        });
+        Ok(Model {
+            parts: parts.collect(),
+            meshes: vec![mesh],
+            ..Model::default()
+        })
     })
 }
 
@@ -88,8 +99,8 @@ fn slivers(triangles: usize) -> Mesh {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     let mut mesh = Mesh::default();
     for _ in 0..triangles.div_ceil(8) {
-        let middle = direction(&mut rng) * rng.random::<f64>().cbrt();
-        let along = direction(&mut rng);
+        let middle = random_direction(&mut rng) * rng.random::<f64>().cbrt();
+        let along = random_direction(&mut rng);
         let (x, y) = along.any_orthonormal_pair();
         let (half, thick) = (
             rng.random_range(0.03..0.15),
@@ -121,21 +132,17 @@ fn slivers(triangles: usize) -> Mesh {
 }
 
 /// Places in a cube that is as full for any count, turned in any way.
-fn scattered(count: usize) -> Vec<(usize, Transform)> {
+fn scattered(count: usize) -> Vec<Transform> {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     let side = 3.0 * (count as f64).cbrt();
     let place = || {
         let mut along = || rng.random_range(0.0..side);
         let position = DVec3::new(along(), along(), along());
-        let turn = DQuat::from_axis_angle(direction(&mut rng), rng.random_range(0.0..TAU));
+        let turn = DQuat::from_axis_angle(random_direction(&mut rng), rng.random_range(0.0..TAU));
         let matrix = DAffine3::from_rotation_translation(turn, position);
-        (0, Transform::new(matrix).expect("a rotation is invertible"))
+        Transform::new(matrix).expect("a rotation is invertible")
     };
     std::iter::repeat_with(place).take(count).collect()
-}
-
-fn direction(rng: &mut Pcg64Mcg) -> DVec3 {
-    uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3()
 }
 
 /// A closed surface of about so many triangles: the faces of an octahedron cut into n² triangles each, a ring of
