@@ -48,6 +48,7 @@ pub mod io;
 pub mod light;
 pub mod material;
 pub mod math;
+mod memory;
 pub mod render;
 pub mod sampling;
 pub mod scene;

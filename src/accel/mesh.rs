@@ -9,13 +9,14 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::geometry::Mesh;
 use crate::math::{Bounds, Ray};
+use crate::memory::Pages;
 
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
 use choice::{cornered, distinct};
 
-use super::wide::{Block, Entrant, Kernel, LANES, Pages, Task, Walk, WideTree};
+use super::wide::{Block, Entrant, Kernel, LANES, Task, Walk, WideTree};
 
 /// What building a mesh's tree found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::color::Rgb;
 use crate::image::Image;
+use crate::memory::Pages;
 
 /// Sums are integers in units of 2⁻⁴⁸.
 const UNITS: f64 = (1_u64 << 48) as f64;
@@ -132,7 +133,7 @@ impl Rect {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
     rect: Rect,
-    pixels: Vec<PixelSum>,
+    pixels: Pages<PixelSum>,
 }
 
 impl Film {
@@ -141,8 +142,7 @@ impl Film {
         let pixels = rect.width as usize * rect.height as usize;
         Self {
             rect,
-            // Pages that no sample reaches are never touched.
-            pixels: bytemuck::zeroed_vec(pixels),
+            pixels: Pages::zeroed(pixels),
         }
     }
 

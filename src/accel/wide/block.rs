@@ -1,4 +1,4 @@
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use glam::Vec3;
 
 use crate::accel::triangle::Triangle;
@@ -7,7 +7,7 @@ use crate::accel::triangle::Triangle;
 pub(in crate::accel) const LANES: usize = 8;
 
 /// A leaf's triangles, relative to the tree's centre, as planes. Lanes without one hold NaN, which no test accepts.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C, align(64))]
 pub(in crate::accel) struct Block {
     /// `[corner][axis][lane]`.

@@ -10,13 +10,11 @@ mod block;
 mod collapse;
 mod kernel;
 mod node;
-mod pages;
 mod portable;
 mod stream;
 
 pub(super) use block::{Block, LANES};
 pub(super) use kernel::Kernel;
-pub(super) use pages::Pages;
 pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
 
 use std::any::Any;
@@ -25,6 +23,8 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
+
+use crate::memory::Pages;
 
 use super::build;
 use super::options::{AccelOptions, Kernel as Choice};

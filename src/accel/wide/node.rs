@@ -1,4 +1,4 @@
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use obvhs::aabb::Aabb;
 
 /// Set in a link to a leaf; the rest is its index.
@@ -16,9 +16,8 @@ pub(in crate::accel) struct Node<const N: usize> {
     pub children: [u32; N],
 }
 
-// SAFETY: numbers without padding (N is 8 or 16), any bits of which are some.
+// SAFETY: numbers.
 unsafe impl<const N: usize> Zeroable for Node<N> {}
-unsafe impl<const N: usize> Pod for Node<N> {}
 
 impl<const N: usize> Node<N> {
     /// Without children.
