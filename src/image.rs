@@ -1,5 +1,7 @@
 //! A picture in memory: named f32 channels, rows from the top.
 
+use rayon::prelude::*;
+
 use crate::color::Rgb;
 use crate::error::{Error, ErrorKind, Result};
 
@@ -28,17 +30,30 @@ pub struct Channel {
 impl Image {
     /// A picture of `width * height` pixels with the channels `R`, `G`, `B` and no metadata.
     pub fn rgb(width: usize, height: usize, pixels: &[Rgb]) -> Self {
-        let channels = ["R", "G", "B"]
-            .into_iter()
-            .enumerate()
-            .map(|(i, name)| Channel {
-                name: name.to_owned(),
-                values: pixels.iter().map(|pixel| pixel[i]).collect(),
-            });
+        Self::of_channels(width, height, |pixel, channel| pixels[pixel][channel])
+    }
+
+    /// The same, of what `value` says for pixel and channel.
+    pub fn of_channels(
+        width: usize,
+        height: usize,
+        value: impl Fn(usize, usize) -> f32 + Sync,
+    ) -> Self {
+        let channel = |(c, name): (usize, &str)| Channel {
+            name: name.to_owned(),
+            values: (0..width * height)
+                .into_par_iter()
+                .map(|pixel| value(pixel, c))
+                .collect(),
+        };
         Self {
             width,
             height,
-            channels: channels.collect(),
+            channels: ["R", "G", "B"]
+                .into_iter()
+                .enumerate()
+                .map(channel)
+                .collect(),
             metadata: Vec::new(),
         }
     }

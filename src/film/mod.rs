@@ -4,8 +4,6 @@ mod filter;
 
 pub use filter::Filter;
 
-use rayon::prelude::*;
-
 use crate::color::Rgb;
 use crate::image::Image;
 use crate::memory::Pages;
@@ -50,8 +48,12 @@ impl PixelSum {
 
     /// The mean of the samples, black where there are none.
     pub fn mean(&self) -> Rgb {
+        Rgb::from_array([0, 1, 2].map(|channel| self.channel_mean(channel)))
+    }
+
+    fn channel_mean(&self, channel: usize) -> f32 {
         let units = UNITS * f64::from(self.count.max(1));
-        Rgb::from_array(self.sum.map(|sum| (sum as f64 / units) as f32))
+        (self.sum[channel] as f64 / units) as f32
     }
 
     fn merge(&mut self, other: &Self) {
@@ -195,7 +197,7 @@ impl Film {
 
     /// The means as channels `R`, `G`, `B`: each exact sum divided in f64, then rounded to f32.
     pub fn to_image(&self) -> Image {
-        let means: Vec<Rgb> = self.pixels.par_iter().map(PixelSum::mean).collect();
-        Image::rgb(self.rect.width as usize, self.rect.height as usize, &means)
+        let (width, height) = (self.rect.width as usize, self.rect.height as usize);
+        Image::of_channels(width, height, |pixel, c| self.pixels[pixel].channel_mean(c))
     }
 }
