@@ -93,6 +93,7 @@ impl Form {
     /// How far along the unit normal `n` the surface may be found off its place. All in the operand's space: `moved`
     /// bounds what the coordinates were before they came there (see [`moved`]), `distance` is that of the operand's
     /// origin to where the solver started.
+    #[inline(always)]
     pub(super) fn uncertainty(&self, moved: DVec3, distance: f64, n: DVec3) -> f64 {
         self.rounding() * (self.size + distance + n.abs().dot(moved))
     }
@@ -106,6 +107,7 @@ impl Form {
 }
 
 /// The coordinates `span` taken to the operand's space without signs, so that nothing cancels.
+#[inline(always)]
 pub(super) fn moved(inverse: &DMat3, span: DVec3) -> DVec3 {
     inverse.x_axis.abs() * span.x + inverse.y_axis.abs() * span.y + inverse.z_axis.abs() * span.z
 }
@@ -136,6 +138,7 @@ impl Leaf {
         self.literal & 1 == 1
     }
 
+    #[inline(always)]
     pub(super) fn local_ray(&self, map: &LinearMap, ray: &Ray) -> Ray {
         Ray {
             origin: map.inverse * (ray.origin - self.origin),
@@ -145,6 +148,7 @@ impl Leaf {
     }
 
     /// All events from `ray.tmin` on (and some before: a span comes whole), as the leaf at `position`.
+    #[inline(always)]
     pub(super) fn events(
         &self,
         position: u32,
@@ -241,6 +245,7 @@ struct Certainty<'a> {
 
 impl Certainty<'_> {
     /// For crossings at both ends of a span: see [`moved`].
+    #[inline(always)]
     fn moved(&self, enter: f64, exit: f64) -> DVec3 {
         let reach = |t: f64| {
             if t.is_finite() {
@@ -255,6 +260,7 @@ impl Certainty<'_> {
 
     /// How far off along the ray the crossing at `t` may be: at most `chord`, the distance to the operand's next one,
     /// because a shallower span is as good as none.
+    #[inline(always)]
     fn dt(&self, t: f64, moved: DVec3, n: DVec3, chord: f64) -> f64 {
         if t.is_infinite() {
             return 0.0;

@@ -236,11 +236,13 @@ impl Sweep<'_> {
     }
 
     /// What lies behind cannot belong to the next event.
+    #[inline(always)]
     fn limit(&self, ray: &TreeRay) -> f32 {
         let next = self.scratch.events.peek();
         next.map_or(f32::INFINITY, |next| ray.box_limit(next.0.latest()))
     }
 
+    #[inline(always)]
     fn load(&mut self, position: u32) {
         let tree = self.tree;
         let leaf = &tree.leaves[position as usize];
@@ -255,6 +257,7 @@ impl Sweep<'_> {
     }
 
     /// Takes `first` and all events that cannot be told from it; says whether the state changed.
+    #[inline(always)]
     fn cross(&mut self, first: Event) -> Option<Flip> {
         let before = self.inside;
         let alone =
@@ -339,6 +342,7 @@ impl Sweep<'_> {
     }
 
     /// The leaf at `position` is now inside or outside; operators hear of it as far as it makes a difference.
+    #[inline(always)]
     fn toggle(&mut self, position: u32, inside: bool) {
         let leaf = &self.tree.leaves[position as usize];
         let mut truth = inside != leaf.negated();

@@ -11,6 +11,7 @@ pub(super) struct Cuboid {
 
 impl Cuboid {
     /// The slab method (Kay and Kajiya 1986, "Ray Tracing Complex Scenes"), keeping the face of each end.
+    #[inline(always)]
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let mut enter = (f64::NEG_INFINITY, 0);
         let mut exit = (f64::INFINITY, 0);
@@ -47,6 +48,7 @@ impl Cuboid {
     }
 
     #[expect(clippy::unused_self, reason = "called like every solid's")]
+    #[inline(always)]
     pub(super) fn normal(self, _p: DVec3, face: u32) -> DVec3 {
         let (axis, sign) = axis_and_sign(face);
         sign * DVec3::AXES[axis]

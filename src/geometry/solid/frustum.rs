@@ -17,6 +17,7 @@ const TO_CAP: u32 = 2;
 
 impl Frustum {
     /// The slab between the caps, cut with the cone.
+    #[inline(always)]
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let middle = DVec3::new(0.0, 0.0, 0.5 * self.height);
         let (t, p) = closest_approach(ray, middle);
@@ -50,6 +51,7 @@ impl Frustum {
     }
 
     /// Where the line at `z` above the middle lies between the planes of the caps.
+    #[inline(always)]
     fn slab(self, z: f64, dz: f64) -> Option<Interval> {
         let half = 0.5 * self.height;
         if dz == 0.0 {
@@ -63,6 +65,7 @@ impl Frustum {
     }
 
     /// The line `p + s d`, `p` from the middle, beside the cone of the side.
+    #[inline(always)]
     fn cone(self, p: DVec3, d: DVec3) -> Cone {
         let half = 0.5 * self.height;
         Cone {
@@ -87,6 +90,7 @@ impl Frustum {
         p.z >= 0.0 && p.z <= self.height && p.truncate().length_squared() <= radius * radius
     }
 
+    #[inline(always)]
     pub(super) fn normal(self, p: DVec3, face: u32) -> DVec3 {
         match face {
             FROM_CAP => DVec3::NEG_Z,
@@ -147,6 +151,7 @@ struct Cone {
 
 impl Cone {
     /// Half the second derivative of [`Self::implicit`].
+    #[inline(always)]
     fn bend(&self) -> f64 {
         self.d.length_squared() - self.growth * self.growth
     }
@@ -162,6 +167,7 @@ impl Cone {
 
     /// Where the line is in the cone, on the nappe that holds the solid (on the other one it may say what
     /// it likes: the slab is not there).
+    #[inline(always)]
     fn interval(&self) -> Option<Interval> {
         let &Self {
             p,

@@ -174,6 +174,7 @@ impl Solid {
         clippy::useless_conversion,
         reason = "a torus gives spans, the convex solids one at most"
     )]
+    #[inline(always)]
     pub fn spans(&self, ray: &Ray) -> Spans {
         dispatch!(self, shape => shape.spans(ray).into())
     }
@@ -201,6 +202,7 @@ impl Solid {
     }
 
     /// The outward unit normal at the surface point `p` of `face`.
+    #[inline(always)]
     pub fn normal(&self, p: DVec3, face: u32) -> DVec3 {
         dispatch!(self, shape => shape.normal(p, face))
     }
@@ -220,6 +222,7 @@ impl Solid {
 ///
 /// Solving from here keeps the error at a few ulps of the distance to the ray's origin; from the origin
 /// itself it would grow with the distance's square.
+#[inline(always)]
 fn closest_approach(ray: &Ray, center: DVec3) -> (f64, DVec3) {
     let o = ray.origin - center;
     let t = -o.dot(ray.direction) / ray.direction.length_squared();

@@ -9,6 +9,7 @@ pub(super) struct Plane;
 
 #[expect(clippy::unused_self, reason = "called like every solid's")]
 impl Plane {
+    #[inline(always)]
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let t = -ray.origin.z / ray.direction.z;
         let (below, above) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
@@ -32,6 +33,7 @@ impl Plane {
         p.z <= 0.0
     }
 
+    #[inline(always)]
     pub(super) fn normal(self, _p: DVec3, _face: u32) -> DVec3 {
         DVec3::Z
     }

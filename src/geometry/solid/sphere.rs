@@ -15,6 +15,7 @@ pub(super) struct Sphere {
 impl Sphere {
     /// The discriminant is a difference of squared lengths at the closest approach (Haines et al. 2019,
     /// "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
+    #[inline(always)]
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
         let (t, p) = closest_approach(ray, DVec3::ZERO);
         let room = self.radius * self.radius - p.length_squared();
@@ -30,6 +31,7 @@ impl Sphere {
         p.length_squared() <= self.radius * self.radius
     }
 
+    #[inline(always)]
     pub(super) fn normal(self, p: DVec3, _face: u32) -> DVec3 {
         p.normalize_or(DVec3::Z)
     }
