@@ -51,6 +51,8 @@ impl<T: Zeroable + Copy + Send + Sync> Pages<T> {
         let mut map = MmapMut::map_anon(size).expect("there is memory");
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
+        // The system clears pages when they are first written to: here, on all threads.
+        map.par_chunks_mut(LARGE).for_each(|pages| pages[0] = 0);
         Self {
             // A map starts a page, and no type here is aligned to more.
             start: map.as_mut_ptr().cast(),

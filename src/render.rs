@@ -125,7 +125,7 @@ pub fn render(
         })?;
     let start = Instant::now();
     let mut rendered = Rendered {
-        film: Film::new(Rect::of_size(settings.size)),
+        film: pool.install(|| Film::new(Rect::of_size(settings.size))),
         rays: 0,
         time: Duration::ZERO,
         complete: true,

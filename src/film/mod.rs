@@ -34,7 +34,7 @@ impl PixelSum {
         let accepted = channels.iter().all(|c| c.abs() <= MAX_SAMPLE);
         if accepted {
             for (sum, c) in self.sum.iter_mut().zip(channels) {
-                *sum += (f64::from(c) * UNITS).round() as i128;
+                *sum += in_units(c);
             }
             self.count += 1;
         }
@@ -53,7 +53,10 @@ impl PixelSum {
 
     fn channel_mean(&self, channel: usize) -> f32 {
         let units = UNITS * f64::from(self.count.max(1));
-        (self.sum[channel] as f64 / units) as f32
+        let sum = self.sum[channel];
+        // The same number, sooner.
+        let sum = i64::try_from(sum).map_or(sum as f64, |sum| sum as f64);
+        (sum / units) as f32
     }
 
     fn merge(&mut self, other: &Self) {
@@ -61,6 +64,17 @@ impl PixelSum {
             *sum += more;
         }
         self.count += other.count;
+    }
+}
+
+/// The nearest whole number of units. Most are whole and fit into 64 bits, which is sooner done.
+fn in_units(x: f32) -> i128 {
+    let units = f64::from(x) * UNITS;
+    let whole = units as i64;
+    if whole as f64 == units && whole != i64::MAX {
+        i128::from(whole)
+    } else {
+        units.round() as i128
     }
 }
 
