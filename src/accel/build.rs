@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -26,16 +28,20 @@ const fn params(quality: Quality, leaf: u32) -> BvhBuildParams {
 /// Builds a binary tree with one primitive a leaf over `boxes`, at least one, all finite, and makes `T` of it; of
 /// another one where the tree is too deep for that.
 pub(super) fn binary<T>(boxes: &[Aabb], quality: Quality, make: impl Fn(&Bvh2) -> Option<T>) -> T {
-    make(&build_distinct(boxes, params(quality, 1)))
+    let params = params(quality, 1);
+    let outlook = look(boxes, params);
+    let plain = || make(&build_bvh2(boxes, params, &mut Duration::default()));
+    let grouped = || make(&build_grouped(boxes, params));
+    (outlook == Outlook::Good)
+        .then(plain)
+        .flatten()
+        .or_else(|| (outlook != Outlook::Chain).then(grouped).flatten())
         .unwrap_or_else(|| make(&halved(boxes)).expect("depth log2(n)"))
 }
 
 /// Builds over boxes of which many may be equal: obvhs would make a chain of those, in quadratic time.
-fn build_distinct(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
-    let mut time = std::time::Duration::default();
-    if makes_chains(boxes, params) {
-        return halved(boxes);
-    }
+fn build_grouped(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
+    let mut time = Duration::default();
     let groups = equal_boxes(boxes);
     if groups.is_empty() {
         return build_bvh2(boxes, params, &mut time);
@@ -95,22 +101,34 @@ fn build_distinct(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
     bvh
 }
 
-/// Whether boxes are such, mostly nested in one another, that obvhs makes a chain of them, in quadratic time: a sample
-/// of them then makes one too.
-fn makes_chains(boxes: &[Aabb], params: BvhBuildParams) -> bool {
+/// What obvhs will make of boxes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Outlook {
+    /// A good tree.
+    Good,
+    /// Some may be equal.
+    Equal,
+    /// A chain, in quadratic time: they are mostly nested in one another.
+    Chain,
+}
+
+/// Judges by a sample, which is like the whole in this.
+fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
     if boxes.len() < 2 * SAMPLE {
-        return false;
+        return Outlook::Equal;
     }
     let step = boxes.len() as f64 / SAMPLE as f64;
     let sample: Vec<Aabb> = (0..SAMPLE)
         .map(|i| boxes[(i as f64 * step) as usize])
         .collect();
-    let groups = equal_boxes(&sample);
-    let equal: usize = groups.iter().map(|group| group.len() - 1).sum();
+    let equal: usize = equal_boxes(&sample)
+        .iter()
+        .map(|group| group.len() - 1)
+        .sum();
     if equal > SAMPLE / 2 {
-        return false;
+        return Outlook::Equal;
     }
-    let bvh = build_bvh2(&sample, params, &mut std::time::Duration::default());
+    let bvh = build_bvh2(&sample, params, &mut Duration::default());
     // (node, depth)
     let mut todo = vec![(0_u32, 0_usize)];
     let mut deepest = 0;
@@ -124,7 +142,13 @@ fn makes_chains(boxes: &[Aabb], params: BvhBuildParams) -> bool {
             ]);
         }
     }
-    deepest > MAX_DEPTH + equal
+    if deepest > MAX_DEPTH + equal {
+        Outlook::Chain
+    } else if equal > 0 {
+        Outlook::Equal
+    } else {
+        Outlook::Good
+    }
 }
 
 /// Boxes that show what the others are like.
@@ -219,7 +243,11 @@ pub(super) fn build(boxes: &[Aabb], leaf: u32) -> Topology {
             order: vec![0],
         };
     }
-    let bvh = build_distinct(boxes, params(Quality::Balanced, leaf));
+    let params = params(Quality::Balanced, leaf);
+    let bvh = match look(boxes, params) {
+        Outlook::Chain => halved(boxes),
+        _ => build_grouped(boxes, params),
+    };
     from_obvhs(&bvh)
         .or_else(|| from_obvhs(&halved(boxes)))
         .expect("depth log2(n)")

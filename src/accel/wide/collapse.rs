@@ -10,7 +10,7 @@ use super::kernel::MOST_WAITING;
 use super::node::{LEAF, Node};
 
 /// What a step into a node costs beside one into a leaf, which tests all its primitives at once.
-const NODE_COST: f32 = 1.6;
+const NODE_COST: f32 = 5.0;
 
 /// Below this depth subtrees are too small to be worth a task.
 const PARALLEL_DEPTH: usize = 10;
