@@ -182,6 +182,34 @@ fn every_kernel_gives_the_same_hits_to_the_bit_one_by_one_and_in_batches() {
 }
 
 #[test]
+fn a_ray_that_ends_just_before_a_triangle_is_not_blocked_by_it() {
+    let mut rng = Pcg64Mcg::seed_from_u64(8);
+    let meshes = [bumpy_sphere(40)];
+    let crowd = [placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY)];
+    let accel = Accel::build(&meshes, &[], crowd.to_vec()).unwrap();
+    let (mut rays, mut expected) = (Vec::new(), Vec::new());
+    while rays.len() < 6_000 {
+        let ray = Ray::new(3.0 * random_direction(&mut rng), random_direction(&mut rng));
+        let Some(Hit { t, .. }) = accel.intersect(&ray) else {
+            continue;
+        };
+        for (part, blocked) in [(1.0 - 1e-9, false), (1.0, false), (1.0 + 1e-9, true)] {
+            let tmax = part * t;
+            rays.push(Ray { tmax, ..ray });
+            expected.push(blocked);
+        }
+    }
+    in_every_way(&meshes, &crowd, &rays, |name, hits, blocked| {
+        assert_eq!(blocked, expected, "{name}");
+        assert!(
+            hits.iter()
+                .zip(&expected)
+                .all(|(hit, blocked)| hit.is_some() == *blocked)
+        );
+    });
+}
+
+#[test]
 fn of_equal_distances_the_lowest_index_wins() {
     // The same square seven times over, as instances and as triangles.
     let square = |from: u32| [[from, from + 1, from + 2], [from, from + 2, from + 3]];

@@ -237,9 +237,13 @@ impl Avx2 {
                 moment,
                 ahead: [
                     _mm256_sub_ps(start, start_off),
-                    _mm256_add_ps(start, start_off),
+                    _mm256_fmadd_ps(start, all(1.0 + ROUNDING), start_off),
                 ],
-                within: [_mm256_add_ps(end, end_off), _mm256_sub_ps(end, end_off)],
+                // The limit may be above the ray's true end by what rounding it to f32 and upwards adds.
+                within: [
+                    _mm256_add_ps(end, end_off),
+                    _mm256_fmsub_ps(end, all(1.0 - ROUNDING), end_off),
+                ],
             }
         }
     }
