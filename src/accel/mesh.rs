@@ -1,6 +1,5 @@
 mod choice;
-
-use std::ops::ControlFlow;
+mod tasks;
 
 use glam::{DVec2, DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -14,9 +13,9 @@ use crate::memory::Pages;
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
+use super::wide::{Block, Entrant, Kernel, LANES, Task, WideTree};
 use choice::{cornered, distinct};
-
-use super::wide::{Block, Entrant, Kernel, LANES, Task, Walk, WideTree};
+use tasks::{Any, Closest, Visit};
 
 /// What building a mesh's tree found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,51 +176,31 @@ impl MeshTree {
         }
     }
 
-    /// Offers the hits of the ray, of the mesh's space, in a leaf at which it is as `entrant`.
+    /// Offers the hits of the ray, of the mesh's space, with the triangles of a leaf.
     #[inline(always)]
     pub(super) fn visit<K: Kernel<N>, const N: usize>(
         &self,
         kernel: K,
-        entrant: &Entrant<'_, N>,
-        ray: &Ray,
+        at: &AtLeaf<'_, K::Corners>,
         leaf: u32,
         mut offer: impl FnMut(TriangleHit, u32),
     ) {
-        let local = &entrant.ray;
         let block = &self.leaves[leaf as usize];
-        let corners = kernel.corners(local, entrant.start);
-        let mask = kernel.candidates(block, &corners, entrant.limit);
+        let mut mask = kernel.candidates(block, &at.corners, at.limit);
         if mask == 0 {
             return;
         }
-        let exact = local.exact(ray, self.center);
-        for lane in ones(mask) {
-            if let Some(hit) = Triangle::intersect(&exact, block.corners_along(lane, local.axes)) {
+        let exact = at.local.exact(at.ray, self.center);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize & (LANES - 1);
+            mask &= mask - 1;
+            let corners = block.corners_along(lane, at.local.axes);
+            if let Some(hit) = Triangle::intersect(&exact, corners)
+                && hit.t > at.ray.tmin
+            {
                 offer(hit, block.primitives[lane]);
             }
         }
-    }
-
-    /// Whether a triangle of a leaf, at which the ray is as `entrant`, is in its way.
-    #[inline(always)]
-    pub(super) fn blocks<K: Kernel<N>, const N: usize>(
-        &self,
-        kernel: K,
-        entrant: &Entrant<'_, N>,
-        ray: &Ray,
-        leaf: u32,
-    ) -> bool {
-        let local = &entrant.ray;
-        let block = &self.leaves[leaf as usize];
-        let corners = kernel.corners(local, entrant.start);
-        let (certain, mask) = kernel.certain(block, &corners, entrant.limit);
-        certain
-            || ones(mask).any(|lane| {
-                let exact = local.exact(ray, self.center);
-                let corners = block.corners_along(lane, local.axes);
-                Triangle::intersect(&exact, corners)
-                    .is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax)
-            })
     }
 
     /// Runs a task on the tree.
@@ -296,120 +275,17 @@ impl MeshTree {
     }
 }
 
-/// [`MeshTree::intersect`] for one ray.
-struct Closest<'a> {
-    mesh: &'a MeshTree,
-    ray: &'a Ray,
-    tmax: f64,
-}
-
-impl Task for Closest<'_> {
-    type Output = Option<(TriangleHit, u32)>;
-
-    #[inline(always)]
-    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
-        let Self { mesh, ray, tmax } = self;
-        let local = TreeRay::new(ray, mesh.center, mesh.extent);
-        let (start, end) = (local.box_start(ray.tmin), local.box_limit(tmax));
-        let mut limit = tmax;
-        let mut end_now = end;
-        let mut best: Option<(TriangleHit, u32)> = None;
-        let corners = kernel.corners(&local, start);
-        let _ = {
-            walk.traverse(kernel, &local, start, end, |leaf| {
-                let block = &mesh.leaves[leaf as usize];
-                for lane in ones(kernel.candidates(block, &corners, end_now)) {
-                    let Some(hit) = Triangle::intersect(
-                        &local.exact(ray, mesh.center),
-                        block.corners_along(lane, local.axes),
-                    ) else {
-                        continue;
-                    };
-                    let primitive = block.primitives[lane];
-                    let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
-                    if hit.t > ray.tmin && (hit.t < limit || tie) {
-                        limit = hit.t;
-                        end_now = local.box_limit(limit);
-                        best = Some((hit, primitive));
-                    }
-                }
-                ControlFlow::Continue(end_now)
-            })
-        };
-        best
-    }
-}
-
-/// [`MeshTree::occluded`] for one ray.
-struct Any<'a> {
-    mesh: &'a MeshTree,
-    ray: &'a Ray,
-}
-
-impl Task for Any<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> bool {
-        let Self { mesh, ray } = self;
-        let local = TreeRay::new(ray, mesh.center, mesh.extent);
-        let (start, end) = (local.box_start(ray.tmin), local.box_limit(ray.tmax));
-        let corners = kernel.corners(&local, start);
-        let outcome = walk.traverse_any(kernel, &local, start, end, |leaf| {
-            let block = &mesh.leaves[leaf as usize];
-            let (certain, mask) = kernel.certain(block, &corners, end);
-            let hit = |lane: usize| {
-                let exact = local.exact(ray, mesh.center);
-                let corners = block.corners_along(lane, local.axes);
-                Triangle::intersect(&exact, corners)
-                    .is_some_and(|hit| hit.t > ray.tmin && hit.t < ray.tmax)
-            };
-            if certain || ones(mask).any(hit) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-        outcome.is_break()
-    }
-}
-
-/// Calls `visit` for every leaf whose box a ray meets.
-struct Visit<'a, F> {
-    local: &'a TreeRay,
-    start: f32,
-    end: f32,
-    at_leaf: F,
-}
-
-impl<F: FnMut(u32)> Task for Visit<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) {
-        let _ = {
-            walk.traverse(kernel, self.local, self.start, self.end, |leaf| {
-                (self.at_leaf)(leaf);
-                ControlFlow::Continue(self.end)
-            })
-        };
-    }
+/// A ray at a leaf: in the mesh's space, made ready for the tree and for its triangles, on its way to `limit` in units
+/// of the box test.
+pub(super) struct AtLeaf<'a, C> {
+    pub ray: &'a Ray,
+    pub local: &'a TreeRay,
+    pub corners: C,
+    pub limit: f32,
 }
 
 /// Trees of so many bytes are read from afar, and asking ahead pays.
 const FAR: usize = 16 << 20;
-
-/// The places of the bits that are set.
-#[inline(always)]
-fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        (mask != 0).then(|| {
-            mask &= mask - 1;
-            lane & (LANES - 1)
-        })
-    })
-}
 
 /// The numbers below `count` that are not in `kept`, which ascends.
 fn left_out(kept: &[u32], count: u32) -> Vec<u32> {

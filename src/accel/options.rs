@@ -3,8 +3,18 @@
 pub struct AccelOptions {
     /// Time to build against time to trace.
     pub quality: Quality,
-    /// The instructions that walk the trees of meshes.
+    /// The instructions that walk the trees; plain Rust where the processor lacks them.
     pub kernel: Kernel,
+}
+
+impl AccelOptions {
+    /// With a kernel that the processor has.
+    pub(super) fn supported(mut self) -> Self {
+        if !Kernel::available().contains(&self.kernel) {
+            self.kernel = Kernel::Portable;
+        }
+        self
+    }
 }
 
 /// Time to build against time to trace.
@@ -19,7 +29,7 @@ pub enum Quality {
     Best,
 }
 
-/// The instructions that walk the trees of meshes. All give the same hits to the bit.
+/// The instructions that walk the trees. All give the same hits to the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
     /// Plain Rust.

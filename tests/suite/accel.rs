@@ -1,5 +1,7 @@
 //! The two-level tree against brute force.
 
+use std::path::Path;
+
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -7,6 +9,7 @@ use solidtrace::accel::{Accel, AccelOptions, Hit, Kernel, Placed, Quality};
 use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
 use solidtrace::math::{Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
+use solidtrace::scene::{Scene, SceneDescription};
 
 use crate::support::meshes::{box_mesh, bumpy_sphere, torus_mesh};
 
@@ -178,6 +181,65 @@ fn every_kernel_gives_the_same_hits_to_the_bit_one_by_one_and_in_batches() {
         });
         let hits = first.unwrap().iter().flatten().count();
         assert!(hits > 600, "{hits}");
+    }
+}
+
+/// The showcase: a mesh, solids, planes and CSG objects among one another.
+fn showcase() -> (Scene, Vec<Placed>) {
+    let scene = SceneDescription::read(Path::new("scenes/showcase.ron")).unwrap();
+    let scene = scene.load().unwrap();
+    let placed = (scene.instances.iter())
+        .map(|instance| placed(instance.shape, *instance.world_from_object.matrix()))
+        .collect();
+    (scene, placed)
+}
+
+#[test]
+fn rays_that_leave_surfaces_meet_the_same_by_every_kernel_and_in_batches() {
+    let (scene, crowd) = showcase();
+    let accels = Kernel::available().into_iter().map(|kernel| {
+        let options = AccelOptions {
+            kernel,
+            ..AccelOptions::default()
+        };
+        Accel::build_with(&scene.meshes, &scene.csgs, crowd.clone(), options).unwrap()
+    });
+    let accels: Vec<Accel> = accels.collect();
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let csgs: Vec<&Placed> = (crowd.iter())
+        .filter(|p| matches!(p.shape, Shape::Csg(_)))
+        .collect();
+    let mut rays = Vec::new();
+    while rays.len() < 200_000 {
+        let at = csgs[rays.len() % csgs.len()]
+            .world_from_object
+            .point(DVec3::ZERO);
+        let from = at + random_direction(&mut rng);
+        let ray = Ray::new(from, at + 0.3 * random_direction(&mut rng) - from);
+        let Some(hit) = accels[0].intersect(&ray) else {
+            continue;
+        };
+        let p = ray.at(hit.t) + 1e-12 * random_direction(&mut rng);
+        rays.push(Ray::new(p, random_direction(&mut rng)));
+        let to = DVec3::new(-2.2, 3.5, 2.0) + 0.5 * random_direction(&mut rng);
+        rays.push(Ray {
+            tmax: 1.0,
+            ..Ray::new(p, to - p)
+        });
+    }
+    let hits: Vec<_> = rays.iter().map(|ray| accels[0].intersect(ray)).collect();
+    for (accel, kernel) in accels.iter().zip(Kernel::available()) {
+        let mut batch = vec![None; rays.len()];
+        let mut blocked = vec![false; rays.len()];
+        accel.intersect_batch(&rays, &mut batch);
+        accel.occluded_batch(&rays, &mut blocked);
+        for (i, ray) in rays.iter().enumerate() {
+            let name = kernel.name();
+            assert_eq!(accel.intersect(ray), hits[i], "{name}: {ray:?}");
+            assert_eq!(accel.occluded(ray), hits[i].is_some(), "{name}: {ray:?}");
+            assert_eq!(batch[i], hits[i], "{name}, batch: {ray:?}");
+            assert_eq!(blocked[i], hits[i].is_some(), "{name}, batch: {ray:?}");
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::accel::mesh::MeshTree;
+use crate::accel::mesh::{AtLeaf, MeshTree};
 use crate::accel::wide::{Entrant, Kernel, Next, RAYS, Task, Traffic, Walk, stream};
 use crate::geometry::Shape;
 use crate::math::Ray;
@@ -237,17 +237,23 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
         let flight = &mut self.slots[slot];
         let before = flight.limit;
         if let Some(mesh) = flight.mesh {
-            let local = flight.moved.as_ref().unwrap_or(&self.rays[flight.index]);
+            let ray = flight.moved.as_ref().unwrap_or(&self.rays[flight.index]);
+            let at = AtLeaf {
+                ray,
+                local: &entrant.ray,
+                corners: kernel.corners(&entrant.ray, entrant.start),
+                limit: entrant.limit,
+            };
+            let limit = &mut flight.limit;
             match &mut self.found {
-                Found::Any(_) => {
-                    flight.blocked = mesh.blocks(kernel, entrant, local, leaf);
-                }
+                Found::Any(_) => mesh.visit(kernel, &at, leaf, |hit, _| {
+                    flight.blocked |= hit.t < *limit;
+                }),
                 Found::Closest(hits) => {
                     let best = &mut hits[flight.index];
-                    let limit = &mut flight.limit;
-                    mesh.visit(kernel, entrant, local, leaf, |hit, primitive| {
+                    mesh.visit(kernel, &at, leaf, |hit, primitive| {
                         let hit = Hit::of_triangle(&hit, primitive, flight.instance);
-                        if hit.t > local.tmin && is_nearer(&hit, *limit, best.as_ref()) {
+                        if is_nearer(&hit, *limit, best.as_ref()) {
                             *limit = hit.t;
                             *best = Some(hit);
                         }

@@ -1,12 +1,13 @@
 //! Nodes of 8 children, with AVX2 and FMA.
 
-use glam::Vec3A;
 use std::arch::x86_64::*;
+
+use glam::Vec3A;
 
 use crate::accel::ray::TreeRay;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, NONE, Stack, Waiting};
+use super::kernel::{Kernel, Stack, Waiting};
 use super::node::Node;
 
 #[derive(Clone, Copy)]
@@ -102,11 +103,7 @@ impl Kernel<8> for Avx2 {
     ) -> u32 {
         let (enter, mask) = self.meet(node, boxes, limit);
         if mask & mask.wrapping_sub(1) == 0 {
-            return if mask == 0 {
-                NONE
-            } else {
-                node.children[mask.trailing_zeros() as usize & 7]
-            };
+            return node.only(mask);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
         unsafe {
@@ -125,66 +122,6 @@ impl Kernel<8> for Avx2 {
 
     #[inline(always)]
     fn candidates(self, block: &Block, ray: &Corners, limit: f32) -> u32 {
-        let test = self.test(block, ray, limit);
-        // SAFETY: see `new`.
-        unsafe {
-            let out = _mm256_or_ps(
-                _mm256_cmp_ps::<_CMP_LT_OQ>(test.moment, test.ahead[0]),
-                _mm256_cmp_ps::<_CMP_GT_OQ>(test.moment, test.within[0]),
-            );
-            // False where the lane holds no triangle.
-            let inside = _mm256_or_ps(
-                _mm256_cmp_ps::<_CMP_GE_OQ>(test.least, _mm256_xor_ps(test.doubt, all(-0.0))),
-                _mm256_cmp_ps::<_CMP_LE_OQ>(test.most, test.doubt),
-            );
-            _mm256_movemask_ps(_mm256_andnot_ps(out, inside)) as u32
-        }
-    }
-
-    #[inline(always)]
-    fn certain(self, block: &Block, ray: &Corners, limit: f32) -> (bool, u32) {
-        let test = self.test(block, ray, limit);
-        // SAFETY: see `new`.
-        unsafe {
-            let within = _mm256_and_ps(
-                _mm256_cmp_ps::<_CMP_GT_OQ>(test.moment, test.ahead[1]),
-                _mm256_cmp_ps::<_CMP_LT_OQ>(test.moment, test.within[1]),
-            );
-            let inside = _mm256_or_ps(
-                _mm256_cmp_ps::<_CMP_GT_OQ>(test.least, test.doubt),
-                _mm256_cmp_ps::<_CMP_LT_OQ>(test.most, _mm256_xor_ps(test.doubt, all(-0.0))),
-            );
-            if _mm256_movemask_ps(_mm256_and_ps(within, inside)) != 0 {
-                return (true, 0);
-            }
-        }
-        (false, self.candidates(block, ray, limit))
-    }
-}
-
-/// The same number in all lanes.
-#[inline(always)]
-unsafe fn all(x: f32) -> __m256 {
-    unsafe { _mm256_set1_ps(x) }
-}
-
-/// A ray against the triangles of a block, in f32.
-struct Test {
-    /// The least and the greatest of the three edge functions, and how far each may be off.
-    least: __m256,
-    most: __m256,
-    doubt: __m256,
-    /// Distance times area, positive for a hit ahead.
-    moment: __m256,
-    /// What that must exceed for a hit beyond the start, possibly and certainly; and stay below for one before the
-    /// limit.
-    ahead: [__m256; 2],
-    within: [__m256; 2],
-}
-
-impl Avx2 {
-    #[inline(always)]
-    fn test(self, block: &Block, ray: &Corners, limit: f32) -> Test {
         // SAFETY: see `new`; planes are loaded from where they stand in the block.
         unsafe {
             let corner = |corner: usize| {
@@ -204,7 +141,7 @@ impl Avx2 {
             let u = _mm256_fmsub_ps(cx, by, _mm256_mul_ps(cy, bx));
             let v = _mm256_fmsub_ps(ax, cy, _mm256_mul_ps(ay, cx));
             let w = _mm256_fmsub_ps(bx, ay, _mm256_mul_ps(by, ax));
-            let sign = all(-0.0);
+            let sign = _mm256_set1_ps(-0.0);
             let abs = |x: __m256| _mm256_andnot_ps(sign, x);
             let most = |x, y, z| _mm256_max_ps(_mm256_max_ps(x, y), z);
             let size = _mm256_max_ps(
@@ -212,6 +149,15 @@ impl Avx2 {
                 most(abs(ay), abs(by), abs(cy)),
             );
             let doubt = _mm256_fmadd_ps(ray.scale, size, ray.least);
+            // False where the lane holds no triangle.
+            let inside = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_GE_OQ>(
+                    _mm256_min_ps(_mm256_min_ps(u, v), w),
+                    _mm256_xor_ps(doubt, sign),
+                ),
+                _mm256_cmp_ps::<_CMP_LE_OQ>(most(u, v, w), doubt),
+            );
+            // Distance times area, both positive for a hit ahead, with what they may be off.
             let area = _mm256_add_ps(_mm256_add_ps(u, v), w);
             let facing = _mm256_and_ps(area, sign);
             let moment = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));
@@ -219,35 +165,22 @@ impl Avx2 {
             let area = _mm256_xor_ps(area, facing);
             let reach = most(abs(az), abs(bz), abs(cz));
             let edges = _mm256_add_ps(_mm256_add_ps(abs(u), abs(v)), abs(w));
-            let off = _mm256_fmadd_ps(edges, all(ROUNDING), doubt);
-            let off = _mm256_mul_ps(all(8.0), off);
-            let base = _mm256_mul_ps(edges, all(ray.slack));
-            // What `moment` is at a distance, and how far that may be off.
-            let at = |t: f32| {
-                let t = all(t);
-                let off = _mm256_fmadd_ps(off, _mm256_add_ps(reach, abs(t)), base);
-                (_mm256_mul_ps(t, area), off)
+            let off = _mm256_fmadd_ps(edges, _mm256_set1_ps(ROUNDING), doubt);
+            let off = _mm256_mul_ps(_mm256_set1_ps(8.0), off);
+            let least = _mm256_mul_ps(edges, _mm256_set1_ps(ray.slack));
+            let before = |at: f32, sign: f32| {
+                let at = _mm256_set1_ps(at);
+                let sure = _mm256_fmadd_ps(off, _mm256_add_ps(reach, abs(at)), least);
+                _mm256_fmadd_ps(sure, _mm256_set1_ps(sign), _mm256_mul_ps(at, area))
             };
-            let (start, start_off) = at(ray.start);
-            let (end, end_off) = at(limit * ray.unit);
-            Test {
-                least: _mm256_min_ps(_mm256_min_ps(u, v), w),
-                most: most(u, v, w),
-                doubt,
-                moment,
-                ahead: [
-                    _mm256_sub_ps(start, start_off),
-                    _mm256_fmadd_ps(start, all(1.0 + ROUNDING), start_off),
-                ],
-                // The limit may be above the ray's true end by what rounding it to f32 and upwards adds.
-                within: [
-                    _mm256_add_ps(end, end_off),
-                    _mm256_fmsub_ps(end, all(1.0 - ROUNDING), end_off),
-                ],
-            }
+            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, before(ray.start, -1.0));
+            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, before(limit * ray.unit, 1.0));
+            _mm256_movemask_ps(_mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside)) as u32
         }
     }
+}
 
+impl Avx2 {
     /// Where the ray enters the boxes, and a bit for each that it meets.
     #[inline(always)]
     fn meet(self, node: &Node<8>, boxes: &Boxes, limit: f32) -> (__m256, u32) {

@@ -1,13 +1,14 @@
 //! Nodes of 16 children, with AVX-512.
 
-use glam::Vec3A;
 use std::arch::x86_64::*;
+
+use glam::Vec3A;
 
 use crate::accel::ray::TreeRay;
 
 use super::avx2::{Avx2, sort4};
 use super::block::Block;
-use super::kernel::{Kernel, NONE, Stack, Waiting};
+use super::kernel::{Kernel, Stack, Waiting};
 use super::node::Node;
 
 #[derive(Clone, Copy)]
@@ -74,11 +75,7 @@ impl Kernel<16> for Avx512 {
     ) -> u32 {
         let (enter, mask) = self.meet(node, boxes, limit);
         if mask & mask.wrapping_sub(1) == 0 {
-            return if mask == 0 {
-                NONE
-            } else {
-                node.children[mask.trailing_zeros() as usize & 15]
-            };
+            return node.only(u32::from(mask));
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
         unsafe {
@@ -87,45 +84,6 @@ impl Kernel<16> for Avx512 {
             *len += count - 1;
             *top.add(count - 1) as u32
         }
-    }
-
-    #[inline(always)]
-    fn enter_any(
-        self,
-        node: &Node<16>,
-        boxes: &Boxes,
-        limit: f32,
-        stack: &mut Stack,
-        len: &mut usize,
-    ) -> u32 {
-        let (_, mask) = self.meet(node, boxes, limit);
-        if mask & mask.wrapping_sub(1) == 0 {
-            return if mask == 0 {
-                NONE
-            } else {
-                node.children[mask.trailing_zeros() as usize & 15]
-            };
-        }
-        // SAFETY: the stack has room for all that wait in the deepest tree, and for 16 entries more.
-        unsafe {
-            let top = stack.as_mut_ptr().add(*len).cast::<Waiting>();
-            let children = _mm512_loadu_si512(node.children.as_ptr().cast());
-            let links = _mm512_maskz_compress_epi32(mask, children);
-            let low = _mm512_cvtepu32_epi64(_mm512_castsi512_si256(links));
-            _mm512_storeu_si512(top.cast(), low);
-            let count = mask.count_ones() as usize;
-            if count > 8 {
-                let high = _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64::<1>(links));
-                _mm512_storeu_si512(top.add(8).cast(), high);
-            }
-            *len += count - 1;
-            *top.add(count - 1) as u32
-        }
-    }
-
-    #[inline(always)]
-    fn certain(self, block: &Block, corners: &Self::Corners, limit: f32) -> (bool, u32) {
-        self.triangles.certain(block, corners, limit)
     }
 
     #[inline(always)]

@@ -5,16 +5,13 @@ use crate::accel::ray::TreeRay;
 
 use super::Walk;
 use super::block::Block;
-use super::node::{LEAF, Node};
+use super::node::{LEAF, NONE, Node};
 
 /// The most subtrees of one tree that a ray may leave to wait; trees are built so.
 pub(super) const MOST_WAITING: usize = 480;
 
 /// Entries of a stack: for two levels of trees, with what kernels write beyond the last.
 pub(super) const STACK: usize = 2 * MOST_WAITING + 64;
-
-/// No link.
-pub(super) const NONE: u32 = u32::MAX;
 
 pub(super) type Stack = [MaybeUninit<Waiting>; STACK];
 
@@ -33,7 +30,6 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     /// For boxes behind `start`, at least 0.
     fn boxes(self, ray: &TreeRay, start: f32) -> Self::Boxes;
 
-    /// For triangles relative to the tree's centre.
     /// Hits before `start` do not matter.
     fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners;
 
@@ -61,25 +57,6 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         top: *mut Waiting,
     ) -> usize;
 
-    /// As [`Kernel::enter`], with the children in any order.
-    #[inline(always)]
-    fn enter_any(
-        self,
-        node: &Node<N>,
-        boxes: &Self::Boxes,
-        limit: f32,
-        stack: &mut Stack,
-        len: &mut usize,
-    ) -> u32 {
-        self.enter(node, boxes, limit, stack, len)
-    }
-
-    /// Whether one of the triangles is certainly hit between the start and `limit`, and as [`Kernel::candidates`].
-    #[inline(always)]
-    fn certain(self, block: &Block, corners: &Self::Corners, limit: f32) -> (bool, u32) {
-        (false, self.candidates(block, corners, limit))
-    }
-
     /// A bit for each triangle that is not certainly missed, or certainly hit before the start or beyond `limit`.
     fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;
 }
@@ -87,7 +64,7 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
 /// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets a
 /// leaf's index and answers with the new limit, or breaks.
 #[inline(always)]
-pub(super) fn traverse<K: Kernel<N>, const N: usize, const SORTED: bool>(
+pub(super) fn traverse<K: Kernel<N>, const N: usize>(
     kernel: K,
     walk: Walk<'_, N>,
     ray: &TreeRay,
@@ -103,11 +80,7 @@ pub(super) fn traverse<K: Kernel<N>, const N: usize, const SORTED: bool>(
         while link & LEAF == 0 {
             // SAFETY: links of a tree lead to its nodes.
             let node = unsafe { walk.nodes.get_unchecked(link as usize) };
-            link = if SORTED {
-                kernel.enter(node, &boxes, limit, &mut stack, &mut len)
-            } else {
-                kernel.enter_any(node, &boxes, limit, &mut stack, &mut len)
-            };
+            link = kernel.enter(node, &boxes, limit, &mut stack, &mut len);
         }
         if link != NONE {
             limit = visit(link & !LEAF)?;

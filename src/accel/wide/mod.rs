@@ -13,10 +13,6 @@ mod node;
 mod portable;
 mod stream;
 
-pub(super) use block::{Block, LANES};
-pub(super) use kernel::Kernel;
-pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
-
 use std::any::Any;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
@@ -33,10 +29,13 @@ use super::ray::TreeRay;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-pub(super) use kernel::Waiting;
-pub(super) use node::LEAF;
 use node::Node;
 use portable::Portable;
+
+pub(super) use block::{Block, LANES};
+pub(super) use kernel::{Kernel, Waiting};
+pub(super) use node::LEAF;
+pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
 
 /// A tree with as many children a node as its kernel tests at once; what its leaves hold is the caller's affair.
 #[derive(Debug)]
@@ -84,22 +83,7 @@ impl<const N: usize> Walk<'_, N> {
         limit: f32,
         visit: impl FnMut(u32) -> ControlFlow<(), f32>,
     ) -> ControlFlow<()> {
-        kernel::traverse::<K, N, true>(kernel, self, ray, start, limit, visit)
-    }
-
-    /// [`Walk::traverse`] in any order and to one limit.
-    #[inline(always)]
-    pub(super) fn traverse_any<K: Kernel<N>>(
-        self,
-        kernel: K,
-        ray: &TreeRay,
-        start: f32,
-        limit: f32,
-        mut visit: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        kernel::traverse::<K, N, false>(kernel, self, ray, start, limit, |leaf| {
-            visit(leaf).map_continue(|()| limit)
-        })
+        kernel::traverse(kernel, self, ray, start, limit, visit)
     }
 
     /// Where to start from.
@@ -145,6 +129,7 @@ impl Children {
 impl WideTree {
     /// Builds over `boxes`, at least one, all finite, with at most `most` of them in a leaf.
     pub(super) fn build(boxes: &[Aabb], most: u32, options: AccelOptions) -> (Self, Leaves) {
+        let options = options.supported();
         match options.kernel {
             #[cfg(target_arch = "x86_64")]
             Choice::Avx512 => Self::of(boxes, most, options, Nodes::Sixteen),
@@ -185,7 +170,7 @@ impl WideTree {
     #[inline]
     pub(super) fn run<T: Task>(&self, task: T) -> T::Output {
         match (&self.nodes, self.kernel) {
-            // SAFETY: a kernel can only be chosen where the processor has it.
+            // SAFETY: `build` takes only kernels that the processor has.
             #[cfg(target_arch = "x86_64")]
             (Nodes::Sixteen(nodes), Choice::Avx512) => unsafe {
                 run_avx512(task, self.walk(nodes))

@@ -4,6 +4,9 @@ use obvhs::aabb::Aabb;
 /// Set in a link to a leaf; the rest is its index.
 pub(in crate::accel) const LEAF: u32 = 1 << 31;
 
+/// No link.
+pub(super) const NONE: u32 = u32::MAX;
+
 /// The boxes of up to `N` children as planes, and links to them.
 ///
 /// A lane without a child has a box that nothing meets.
@@ -32,5 +35,15 @@ impl<const N: usize> Node<N> {
             self.planes[1][axis][lane] = aabb.max[axis];
         }
         self.children[lane] = link;
+    }
+
+    /// The child in `mask`, which has no two bits set, or [`NONE`].
+    #[inline(always)]
+    pub(super) fn only(&self, mask: u32) -> u32 {
+        if mask == 0 {
+            NONE
+        } else {
+            self.children[mask.trailing_zeros() as usize & (N - 1)]
+        }
     }
 }

@@ -6,8 +6,8 @@ use std::mem::MaybeUninit;
 use crate::accel::ray::TreeRay;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, NONE, STACK, Stack, Waiting};
-use super::node::Node;
+use super::kernel::{Kernel, STACK, Stack, Waiting};
+use super::node::{NONE, Node};
 
 #[derive(Clone, Copy)]
 pub(super) struct Portable;

@@ -1,0 +1,101 @@
+//! Queries of one ray, compiled for every kernel.
+
+use std::ops::ControlFlow;
+
+use crate::accel::ray::TreeRay;
+use crate::accel::triangle::TriangleHit;
+use crate::accel::wide::{Kernel, Task, Walk};
+use crate::math::Ray;
+
+use super::{AtLeaf, MeshTree};
+
+/// The closest hit before `tmax`, and its primitive; of equal distances the lowest.
+pub(super) struct Closest<'a> {
+    pub mesh: &'a MeshTree,
+    pub ray: &'a Ray,
+    pub tmax: f64,
+}
+
+impl Task for Closest<'_> {
+    type Output = Option<(TriangleHit, u32)>;
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
+        let Self { mesh, ray, tmax } = self;
+        let local = TreeRay::new(ray, mesh.center, mesh.extent);
+        let start = local.box_start(ray.tmin);
+        let mut at = AtLeaf {
+            ray,
+            local: &local,
+            corners: kernel.corners(&local, start),
+            limit: local.box_limit(tmax),
+        };
+        let mut limit = tmax;
+        let mut best: Option<(TriangleHit, u32)> = None;
+        let _ = walk.traverse(kernel, &local, start, at.limit, |leaf| {
+            mesh.visit(kernel, &at, leaf, |hit, primitive| {
+                let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
+                if hit.t < limit || tie {
+                    limit = hit.t;
+                    best = Some((hit, primitive));
+                }
+            });
+            at.limit = local.box_limit(limit);
+            ControlFlow::Continue(at.limit)
+        });
+        best
+    }
+}
+
+/// Whether anything is in the ray's way.
+pub(super) struct Any<'a> {
+    pub mesh: &'a MeshTree,
+    pub ray: &'a Ray,
+}
+
+impl Task for Any<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> bool {
+        let Self { mesh, ray } = self;
+        let local = TreeRay::new(ray, mesh.center, mesh.extent);
+        let start = local.box_start(ray.tmin);
+        let at = AtLeaf {
+            ray,
+            local: &local,
+            corners: kernel.corners(&local, start),
+            limit: local.box_limit(ray.tmax),
+        };
+        let outcome = walk.traverse(kernel, &local, start, at.limit, |leaf| {
+            let mut blocked = false;
+            mesh.visit(kernel, &at, leaf, |hit, _| blocked |= hit.t < ray.tmax);
+            if blocked {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(at.limit)
+            }
+        });
+        outcome.is_break()
+    }
+}
+
+/// Calls `at_leaf` for every leaf whose box the ray meets.
+pub(super) struct Visit<'a, F> {
+    pub local: &'a TreeRay,
+    pub start: f32,
+    pub end: f32,
+    pub at_leaf: F,
+}
+
+impl<F: FnMut(u32)> Task for Visit<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) {
+        let _ = walk.traverse(kernel, self.local, self.start, self.end, |leaf| {
+            (self.at_leaf)(leaf);
+            ControlFlow::Continue(self.end)
+        });
+    }
+}
