@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use crate::accel::boxes::BoxTree;
 use crate::accel::ray::TreeRay;
-use crate::accel::wide::{Children, Kernel, LEAF, Task, Waiting, Walk};
+use crate::accel::wide::{Children, Kernel, LEAF, Task, Waiting, Walk, is_near, limit_bits};
 use crate::math::Ray;
 
 use super::CsgTree;
@@ -202,21 +202,16 @@ impl Sweep<'_> {
 
     #[inline(always)]
     fn advance<K: Kernel<N>, const N: usize>(&mut self, front: &Front<'_, K, N>) {
-        let mut limit = self.limit(&front.ray);
-        // Whatever holds the start comes before everything else.
-        let near = |waiting: Waiting, limit: f32| {
-            let t = f32::from_bits((waiting >> 32) as u32);
-            t <= front.start || t <= limit
-        };
+        let mut limit = self.limit(front);
         while let Some(&Reverse(next)) = self.scratch.frontier.peek()
-            && near(next, limit)
+            && is_near(next, limit)
         {
             self.scratch.frontier.pop();
             let mut link = next as u32;
             loop {
                 if link & LEAF != 0 {
                     self.load(self.tree.unbounded + (link & !LEAF));
-                    limit = self.limit(&front.ray);
+                    limit = self.limit(front);
                     break;
                 }
                 let mut room = Children::new();
@@ -226,7 +221,7 @@ impl Sweep<'_> {
                     break;
                 };
                 (self.scratch.frontier).extend(others.iter().map(|&child| Reverse(child)));
-                if !near(nearest, limit) {
+                if !is_near(nearest, limit) {
                     self.scratch.frontier.push(Reverse(nearest));
                     break;
                 }
@@ -235,11 +230,13 @@ impl Sweep<'_> {
         }
     }
 
-    /// What lies behind cannot belong to the next event.
+    /// What lies behind cannot belong to the next event; but whatever holds the start comes before everything else.
+    /// In the bits that [`is_near`] takes.
     #[inline(always)]
-    fn limit(&self, ray: &TreeRay) -> f32 {
-        let next = self.scratch.events.peek();
-        next.map_or(f32::INFINITY, |next| ray.box_limit(next.0.latest()))
+    fn limit<K: Kernel<N>, const N: usize>(&self, front: &Front<'_, K, N>) -> u32 {
+        let limit = (self.scratch.events.peek())
+            .map_or(f32::INFINITY, |next| front.ray.box_limit(next.0.latest()));
+        limit_bits(limit.max(front.start))
     }
 
     #[inline(always)]

@@ -15,9 +15,24 @@ pub(super) const STACK: usize = 2 * MOST_WAITING + 64;
 
 pub(super) type Stack = [MaybeUninit<Waiting>; STACK];
 
-/// A subtree that waits: in the upper half the bits of where the ray enters it, not above that; in the lower half
-/// the link.
+/// A subtree that waits: in the upper half the bits of where the ray enters it, of which kernels use the lowest
+/// ([`LOST`]) for an order of their own; in the lower half the link.
 pub(in crate::accel) type Waiting = u64;
+
+/// The bits of a distance that a [`Waiting`] does not keep.
+const LOST: u32 = 15;
+
+/// With this [`is_near`] compares.
+#[inline(always)]
+pub(in crate::accel) fn limit_bits(limit: f32) -> u32 {
+    limit.max(0.0).to_bits() | LOST
+}
+
+/// Whether the ray may enter the subtree at or before the limit that `bits` are of.
+#[inline(always)]
+pub(in crate::accel) fn is_near(waiting: Waiting, bits: u32) -> bool {
+    (waiting >> 32) as u32 <= bits
+}
 
 /// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
 /// that it is written for.
@@ -34,7 +49,7 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners;
 
     /// The nearest child that the ray meets before `limit`, or [`NONE`]; the others go onto the stack of `len`
-    /// entries, far ones first. The lowest bits of where the ray enters may be lost.
+    /// entries, far ones first.
     fn enter(
         self,
         node: &Node<N>,
@@ -85,7 +100,7 @@ pub(super) fn traverse<K: Kernel<N>, const N: usize>(
         if link != NONE {
             limit = visit(link & !LEAF)?;
         }
-        let bits = limit.max(0.0).to_bits();
+        let bits = limit_bits(limit);
         link = loop {
             if len == 0 {
                 return ControlFlow::Continue(());
@@ -93,7 +108,7 @@ pub(super) fn traverse<K: Kernel<N>, const N: usize>(
             len -= 1;
             // SAFETY: `enter` wrote all entries below `len`, which never is above what the tree's depth allows.
             let waiting = unsafe { stack.get_unchecked(len).assume_init() };
-            if (waiting >> 32) as u32 <= bits {
+            if is_near(waiting, bits) {
                 break waiting as u32;
             }
         };

@@ -33,7 +33,7 @@ use node::Node;
 use portable::Portable;
 
 pub(super) use block::{Block, LANES};
-pub(super) use kernel::{Kernel, Waiting};
+pub(super) use kernel::{Kernel, Waiting, is_near, limit_bits};
 pub(super) use node::LEAF;
 pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
 

@@ -3,7 +3,7 @@ use std::mem::MaybeUninit;
 use crate::accel::ray::TreeRay;
 
 use super::Walk;
-use super::kernel::{Kernel, STACK, Waiting};
+use super::kernel::{Kernel, STACK, Waiting, is_near, limit_bits};
 use super::node::{LEAF, Node};
 
 /// Rays under way at once: while one waits for memory or for its own last result, others go on.
@@ -112,14 +112,14 @@ impl<'a, const N: usize> Slot<'a, N> {
     /// As [`Slot::pop`].
     #[inline(always)]
     unsafe fn cut(&mut self) {
-        let bits = self.entrant.limit.max(0.0).to_bits();
+        let bits = limit_bits(self.entrant.limit);
         let stack = self.top();
         let mut kept = self.floor;
         for i in self.floor + 1..=self.len {
             unsafe {
                 let waiting = *stack.add(i);
                 *stack.add(kept + 1) = waiting;
-                kept += usize::from((waiting >> 32) as u32 <= bits);
+                kept += usize::from(is_near(waiting, bits));
             }
         }
         self.len = kept;

@@ -2,14 +2,16 @@
 //!
 //! The long run: `tests/with-embree.sh cargo run --release --features embree --example csg_oracle`
 
+use glam::DAffine3;
 use rand::RngExt;
 use rayon::prelude::*;
 use solidtrace::accel::{CsgCrossing, CsgTree};
 use solidtrace::math::Ray;
 
 use super::oracle::{
-    Expected, Leaf, Naive, PointTally, Tree, compare_points, outside, random_ray, rng,
+    Expected, Leaf, Naive, PointTally, Tree, compare_points, outside, random_ray, rng, unit,
 };
+use super::{block, point, sphere};
 
 /// The tree of a seed, and rays at it.
 fn tree_and_rays(seed: u64, rays: usize) -> (Tree, Vec<Ray>) {
@@ -194,4 +196,37 @@ fn crossings_are_those_of_embree_on_tessellated_operands() {
         tally.rays, tally.hits, tally.further, tally.grazing
     );
     assert!(tally.hits > tally.rays / 4 && tally.grazing < tally.rays / 50);
+}
+
+#[test]
+fn faces_that_lie_in_the_boxes_of_other_operands_are_met_by_rays_from_afar() {
+    let crossings: usize = (0..60_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut rng = rng(5000 + seed);
+            // The box's faces are where all the others can matter at most.
+            let half = point(&mut rng, 0.2).abs() + 0.3;
+            let block = block((-half).to_array(), half.to_array(), DAffine3::IDENTITY);
+            let ball = sphere(half.max_element() * 1.3, DAffine3::IDENTITY);
+            let pips = (0..rng.random_range(0..40)).map(|_| {
+                let place = DAffine3::from_translation(half * unit(&mut rng));
+                sphere(rng.random_range(0.02..0.2), place)
+            });
+            let tree = Tree::intersection([ball, block]);
+            let tree = Tree::difference([vec![tree], pips.collect()].concat());
+            let (judged, leaves) = (tree.build(), tree.leaves());
+            let mut crossings = 0;
+            for i in 0..2000 {
+                let origin = 4.0_f64.powi(i % 12 - 1) * unit(&mut rng);
+                let to = half * point(&mut rng, 1.2);
+                let ray = Ray::new(origin, (to - origin).normalize());
+                let naive = Naive::of(&tree, &leaves, &ray);
+                let found = judged.crossings(&ray);
+                assert!(naive.agrees(&found), "{ray:?}: {found:#?} for {naive:#?}");
+                crossings += found.len();
+            }
+            crossings
+        })
+        .sum();
+    assert!(crossings > 100_000, "{crossings}");
 }
