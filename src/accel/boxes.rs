@@ -7,7 +7,7 @@ use crate::math::{Bounds, Ray};
 
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
-use super::wide::{Entrant, Kernel, Task, Walk, WideTree};
+use super::wide::{Kernel, Root, Task, Walk, WideTree};
 
 /// A wide tree over boxes in f64, one a leaf.
 #[derive(Debug)]
@@ -72,16 +72,14 @@ impl BoxTree {
         TreeRay::new(ray, self.center, self.extent)
     }
 
-    /// `ray` at the root on its way to `tmax`.
+    /// Where rays enter.
     #[inline(always)]
-    pub(super) fn entrant<const N: usize>(&self, ray: &Ray, tmax: f64) -> Entrant<'_, N> {
-        let local = self.local_ray(ray);
-        Entrant {
+    pub(super) fn root<const N: usize>(&self) -> Root<'_, N> {
+        Root {
             walk: self.tree.nodes(),
-            start: local.box_start(ray.tmin),
-            limit: local.box_limit(tmax),
-            ray: local,
             leaves: None,
+            center: self.center,
+            extent: self.extent,
         }
     }
 

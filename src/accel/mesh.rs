@@ -13,7 +13,7 @@ use crate::memory::Pages;
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, Entrant, Kernel, LANES, Task, WideTree};
+use super::wide::{Block, Kernel, LANES, Root, Task, WideTree};
 use choice::{cornered, distinct};
 use tasks::{Any, Closest, Visit};
 
@@ -162,17 +162,15 @@ impl MeshTree {
         }
     }
 
-    /// `ray`, of the mesh's space, at the root of the tree on its way to `tmax`.
+    /// Where rays enter.
     #[inline(always)]
-    pub(super) fn entrant<const N: usize>(&self, ray: &Ray, tmax: f64) -> Entrant<'_, N> {
-        let local = TreeRay::new(ray, self.center, self.extent);
+    pub(super) fn root<const N: usize>(&self) -> Root<'_, N> {
         let far = size_of_val(&*self.leaves) > FAR;
-        Entrant {
+        Root {
             walk: self.tree.nodes(),
-            start: local.box_start(ray.tmin),
-            limit: local.box_limit(tmax),
-            ray: local,
             leaves: far.then(|| (self.leaves.as_ptr().cast(), size_of::<Block>())),
+            center: self.center,
+            extent: self.extent,
         }
     }
 

@@ -11,9 +11,9 @@ pub(super) struct TreeRay {
     pub near: Vec3A,
     pub far: Vec3A,
     /// 1 where the direction is negative: which of a box's planes is the near one.
-    pub sign: [usize; 3],
+    pub sign: [u32; 3],
     /// Woop's permutation: the direction is longest along `axes[2]`.
-    pub axes: [usize; 3],
+    pub axes: [u32; 3],
     /// Origin relative to the tree's centre, in the order of `axes`, as the next one is.
     pub origin: [f32; 3],
     /// Woop's shear: direction components along `axes[0]` and `axes[1]` over the one along `axes[2]`.
@@ -37,10 +37,31 @@ pub(super) struct ExactRay {
     pub length: f64,
 }
 
+/// By whether the first axis is the longest, plus twice whether the second one is.
+pub(super) static AXES: [[u32; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+
+/// By the bits of a direction's signs.
+pub(super) static SIGNS: [[u32; 3]; 8] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [0, 1, 0],
+    [1, 1, 0],
+    [0, 0, 1],
+    [1, 0, 1],
+    [0, 1, 1],
+    [1, 1, 1],
+];
+
 /// Squares of sums of a few such numbers are in the range of f32.
 const LARGEST: f64 = 4e18;
 
-const SLACK: f32 = 1.0 / (1 << 20) as f32;
+/// No inverse of a direction's component is larger.
+pub(super) const STEEPEST: f32 = (1_u64 << 40) as f32;
+
+/// A [`TreeRay`]'s unit is within this.
+pub(super) const UNITS: [f64; 2] = [f64::MIN_POSITIVE, 0.25 / f64::MIN_POSITIVE];
+
+pub(super) const SLACK: f32 = 1.0 / (1 << 20) as f32;
 
 impl TreeRay {
     /// `extent` is the largest distance along an axis from `center` to what the tree holds.
@@ -50,16 +71,15 @@ impl TreeRay {
         // Without branches, which random rays would take at random.
         let first = (size.x >= size.y) & (size.x >= size.z);
         let second = !first & (size.y >= size.z);
-        let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1]][usize::from(first) + 2 * usize::from(second)];
-        let [x, y, z] = axes;
+        let axes = AXES[usize::from(first) + 2 * usize::from(second)];
+        let [x, y, z] = axes.map(|axis| axis as usize);
         let unit = exponent_of(size.max_element());
         let direction = (ray.direction * reciprocal(unit)).as_vec3a();
         let from = (ray.origin - center).as_vec3a();
         let slack = SLACK * (from.abs().max_element() + extent);
         // The longest component is now in 1..2. One below 2^-40 of it cannot leave the slack while the
         // ray is in the tree, and a bounded inverse keeps infinities out of the products.
-        let inverse =
-            (direction.abs().recip().min(Vec3A::splat(2.0_f32.powi(40)))).copysign(direction);
+        let inverse = (direction.abs().recip().min(Vec3A::splat(STEEPEST))).copysign(direction);
         let outward = Vec3A::splat(slack).copysign(direction);
         let negative = direction.is_negative_bitmask() as usize;
         let (origin, components) = (from.to_array(), direction.to_array());
@@ -68,7 +88,7 @@ impl TreeRay {
             inverse,
             near: (from + outward) * inverse,
             far: (from - outward) * inverse,
-            sign: [negative & 1, negative >> 1 & 1, negative >> 2 & 1],
+            sign: SIGNS[negative],
             axes,
             origin: [origin[x], origin[y], origin[z]],
             shear: [components[x] * across, components[y] * across],
@@ -81,7 +101,7 @@ impl TreeRay {
     /// The ray itself, with which this was made.
     #[inline(always)]
     pub(super) fn exact(&self, ray: &Ray, center: DVec3) -> ExactRay {
-        let [x, y, z] = self.axes;
+        let [x, y, z] = self.axes.map(|axis| axis as usize);
         let (origin, direction) = ((ray.origin - center).to_array(), ray.direction.to_array());
         ExactRay {
             origin: [origin[x], origin[y], origin[z]],
@@ -116,7 +136,7 @@ impl TreeRay {
 }
 
 /// More than what rounding to f32 changes.
-const BOX_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+pub(super) const BOX_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// Whether kernels may walk with the [`TreeRay`] of `ray`: no operation on it overflows, and distances are at least 0,
 /// so that their bits order them.
@@ -130,7 +150,7 @@ pub(super) fn fits_kernels(ray: &Ray, center: DVec3, extent: f32) -> bool {
 /// such.
 #[inline(always)]
 fn exponent_of(x: f64) -> f64 {
-    let x = x.clamp(f64::MIN_POSITIVE, 0.25 / f64::MIN_POSITIVE);
+    let x = x.clamp(UNITS[0], UNITS[1]);
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 

@@ -108,7 +108,8 @@ impl Triangle {
 
     /// The corners' coordinates in the order of the ray's axes.
     fn seen_along(&self, ray: &TreeRay) -> [[f32; 3]; 3] {
-        self.corners.map(|corner| ray.axes.map(|axis| corner[axis]))
+        self.corners
+            .map(|corner| ray.axes.map(|axis| corner[axis as usize]))
     }
 }
 

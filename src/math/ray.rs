@@ -4,6 +4,7 @@ use glam::DVec3;
 ///
 /// `direction` need not be of unit length; `t` is in its units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where `t` is 0.
     pub origin: DVec3,

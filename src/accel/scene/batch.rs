@@ -1,63 +1,58 @@
 use crate::accel::mesh::{AtLeaf, MeshTree};
-use crate::accel::wide::{Entrant, Kernel, Next, RAYS, Task, Traffic, Walk, stream};
+use crate::accel::wide::{
+    Entrant, Group, Kernel, Next, PREPARED, RAYS, Root, Task, Traffic, Walk, stream,
+};
 use crate::geometry::Shape;
 use crate::math::Ray;
 
 use super::{Accel, Hit};
 
+/// Rays that are taken at once: they and their hits stay in a core's own cache.
+const BLOCK: usize = 8192;
+
 impl Accel {
     /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
-        hits.fill(None);
-        for &instance in &self.always {
-            if self.mesh_of(instance).is_some() {
-                self.stream(Some(instance), rays, Found::Closest(hits));
-                continue;
-            }
-            for (ray, hit) in rays.iter().zip(&mut *hits) {
-                let limit = hit.map_or(ray.tmax, |hit| hit.t);
-                *hit = self.intersect_one(instance, ray, limit).or(*hit);
-            }
-        }
-        if self.tree.is_some() {
-            self.stream(None, rays, Found::Closest(hits));
+        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
+            hits.fill(None);
+            self.answer(rays, Closest(hits));
         }
     }
 
     /// Whether each ray is blocked, as [`Accel::occluded`] says it, into `blocked` of the same length.
     pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len());
-        blocked.fill(false);
-        for &instance in &self.always {
-            if self.mesh_of(instance).is_some() {
-                self.stream(Some(instance), rays, Found::Any(blocked));
-                continue;
-            }
-            for (ray, blocked) in rays.iter().zip(&mut *blocked) {
-                *blocked = *blocked || self.occludes(instance, ray);
-            }
-        }
-        if self.tree.is_some() {
-            self.stream(None, rays, Found::Any(blocked));
+        for (rays, blocked) in rays.chunks(BLOCK).zip(blocked.chunks_mut(BLOCK)) {
+            blocked.fill(false);
+            self.answer(rays, Any(blocked));
         }
     }
 
-    /// Takes all rays through one mesh, or through the tree of all placed shapes.
-    fn stream(&self, instance: Option<u32>, rays: &[Ray], found: Found<'_>) {
-        let stream = Stream {
-            accel: self,
-            instance,
-            rays,
-            found,
-        };
-        match (
-            instance.and_then(|instance| self.mesh_of(instance)),
-            &self.tree,
-        ) {
-            (Some(mesh), _) => mesh.run(stream),
-            (None, Some((tree, _))) => tree.run_all(stream),
-            (None, None) => {}
+    fn answer(&self, rays: &[Ray], mut answers: impl Answers) {
+        for &instance in &self.always {
+            if let Some(mesh) = self.mesh_of(instance) {
+                mesh.run(Stream {
+                    accel: self,
+                    mesh: Some((mesh, instance)),
+                    rays,
+                    answers: &mut answers,
+                });
+                continue;
+            }
+            for (index, ray) in rays.iter().enumerate() {
+                if let Some(mut limit) = answers.limit(index, ray) {
+                    answers.meet(self, instance, ray, index, &mut limit);
+                }
+            }
+        }
+        if let Some((tree, _)) = &self.tree {
+            tree.run_all(Stream {
+                accel: self,
+                mesh: None,
+                rays,
+                answers: &mut answers,
+            });
         }
     }
 
@@ -71,50 +66,126 @@ impl Accel {
     }
 }
 
-/// Where answers go; what is there limits what is looked for.
-enum Found<'a> {
-    Closest(&'a mut [Option<Hit>]),
-    Any(&'a mut [bool]),
+/// What is asked of each ray, and what was found so far.
+trait Answers {
+    /// Where to look for more: before this; `None` where enough is known.
+    fn limit(&self, index: usize, ray: &Ray) -> Option<f64>;
+
+    /// Takes note of a hit after the ray's start, and of how far there is still something to look for.
+    fn offer(&mut self, index: usize, hit: Hit, limit: &mut f64);
+
+    /// Offers what a ray meets of one shape.
+    fn meet(&mut self, accel: &Accel, instance: u32, ray: &Ray, index: usize, limit: &mut f64);
+
+    /// Takes note of the answer to a ray that kernels cannot take.
+    fn alone(&mut self, accel: &Accel, ray: &Ray, index: usize);
 }
 
-struct Stream<'a> {
+/// The closest hits.
+struct Closest<'a>(&'a mut [Option<Hit>]);
+
+/// Whether there is any hit. Then the limit is [`ENOUGH`].
+struct Any<'a>(&'a mut [bool]);
+
+/// Nothing is left to look for.
+const ENOUGH: f64 = f64::NEG_INFINITY;
+
+impl Answers for Closest<'_> {
+    #[inline(always)]
+    fn limit(&self, index: usize, ray: &Ray) -> Option<f64> {
+        Some(self.0[index].as_ref().map_or(ray.tmax, |hit| hit.t))
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, index: usize, hit: Hit, limit: &mut f64) {
+        let best = &mut self.0[index];
+        let place = |hit: &Hit| (hit.instance, hit.primitive);
+        let tie = || (best.as_ref()).is_some_and(|best| place(&hit) < place(best));
+        if hit.t < *limit || hit.t == *limit && tie() {
+            *limit = hit.t;
+            *best = Some(hit);
+        }
+    }
+
+    #[inline(never)]
+    fn meet(&mut self, accel: &Accel, instance: u32, ray: &Ray, index: usize, limit: &mut f64) {
+        if let Some(hit) = accel.intersect_one(instance, ray, limit.next_up()) {
+            self.offer(index, hit, limit);
+        }
+    }
+
+    fn alone(&mut self, accel: &Accel, ray: &Ray, index: usize) {
+        self.0[index] = accel.intersect(ray);
+    }
+}
+
+impl Answers for Any<'_> {
+    #[inline(always)]
+    fn limit(&self, index: usize, ray: &Ray) -> Option<f64> {
+        (!self.0[index]).then_some(ray.tmax)
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, index: usize, hit: Hit, limit: &mut f64) {
+        if hit.t < *limit {
+            *limit = ENOUGH;
+            self.0[index] = true;
+        }
+    }
+
+    #[inline(never)]
+    fn meet(&mut self, accel: &Accel, instance: u32, ray: &Ray, index: usize, limit: &mut f64) {
+        if accel.occludes(instance, ray) {
+            *limit = ENOUGH;
+            self.0[index] = true;
+        }
+    }
+
+    fn alone(&mut self, accel: &Accel, ray: &Ray, index: usize) {
+        self.0[index] = accel.occluded(ray);
+    }
+}
+
+/// All rays through one mesh, or through the tree of all placed shapes.
+struct Stream<'a, 'f, A> {
     accel: &'a Accel,
-    instance: Option<u32>,
+    /// The one mesh, and whose.
+    mesh: Option<(&'a MeshTree, u32)>,
     rays: &'a [Ray],
-    found: Found<'a>,
+    answers: &'f mut A,
 }
 
-impl Task for Stream<'_> {
+impl<A: Answers> Task for Stream<'_, '_, A> {
     type Output = ();
 
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(self, kernel: K, _: Walk<'_, N>) {
+        let root = match (self.mesh, &self.accel.tree) {
+            (Some((mesh, _)), _) => mesh.root(),
+            (None, Some((tree, _))) => tree.root(),
+            (None, None) => return,
+        };
+        let flight = Flight {
+            index: 0,
+            limit: 0.0,
+            mesh: self.mesh,
+            moved: None,
+        };
         let mut flights = Flights {
-            accel: self.accel,
-            instance: self.instance,
-            rays: self.rays,
+            stream: self,
+            root,
             next: 0,
-            found: self.found,
-            slots: [Flight {
-                index: 0,
-                limit: 0.0,
-                blocked: false,
-                mesh: None,
-                instance: 0,
-                moved: None,
-            }; RAYS],
+            slots: [flight; RAYS],
         };
         stream(kernel, &mut flights);
     }
 }
 
 /// The rays, and those of them that are under way.
-struct Flights<'a, 'f> {
-    accel: &'a Accel,
-    instance: Option<u32>,
-    rays: &'a [Ray],
+struct Flights<'a, 'f, A, const N: usize> {
+    stream: Stream<'a, 'f, A>,
+    root: Root<'a, N>,
     next: usize,
-    found: Found<'f>,
     slots: [Flight<'a>; RAYS],
 }
 
@@ -123,106 +194,56 @@ struct Flights<'a, 'f> {
 struct Flight<'a> {
     index: usize,
     limit: f64,
-    /// Whether something is in its way, where only that is asked.
-    blocked: bool,
     /// The mesh that it is in, and whose; `None` in the tree of all.
-    mesh: Option<&'a MeshTree>,
-    instance: u32,
+    mesh: Option<(&'a MeshTree, u32)>,
     /// Itself in that one's space, where that is another one.
     moved: Option<Ray>,
 }
 
-impl<'a> Flights<'a, '_> {
-    /// Sends number `slot` into the mesh of `instance`. Where that is none, or is none for kernels, it is done with at
-    /// once.
+impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
     #[inline(always)]
-    fn dive<const N: usize>(&mut self, slot: usize, instance: u32) -> Option<Entrant<'a, N>> {
-        let flight = &mut self.slots[slot];
-        if let Some(mesh) = self.accel.mesh_of(instance) {
-            let ray = &self.rays[flight.index];
-            flight.moved = self.accel.moved_ray(instance, ray);
-            let local = flight.moved.as_ref().unwrap_or(ray);
-            if mesh.fits_kernels(local) {
-                flight.mesh = Some(mesh);
-                flight.instance = instance;
-                return Some(mesh.entrant(local, flight.limit));
-            }
-        }
-        self.meet(slot, instance);
-        None
+    fn root(&self) -> Root<'a, N> {
+        self.root
     }
 
-    /// One ray and one shape.
-    #[inline(never)]
-    fn meet(&mut self, slot: usize, instance: u32) {
-        let flight = &mut self.slots[slot];
-        let ray = &self.rays[flight.index];
-        match &mut self.found {
-            Found::Any(_) => flight.blocked |= self.accel.occludes(instance, ray),
-            Found::Closest(hits) => {
-                let limit = flight.limit.next_up();
-                if let Some(hit) = self.accel.intersect_one(instance, ray, limit)
-                    && is_nearer(&hit, flight.limit, hits[flight.index].as_ref())
-                {
-                    flight.limit = hit.t;
-                    hits[flight.index] = Some(hit);
-                }
-            }
-        }
-    }
-}
-
-impl Flights<'_, '_> {
-    /// Writes down what number `slot` found.
     #[inline(always)]
-    fn land(&mut self, slot: usize) {
-        if let Found::Any(blocked) = &mut self.found {
-            let flight = &self.slots[slot];
-            blocked[flight.index] = flight.blocked;
-        }
-    }
-}
-
-/// Whether `hit` is before the limit, or there and of a lower instance or primitive than the best so far.
-#[inline(always)]
-fn is_nearer(hit: &Hit, limit: f64, best: Option<&Hit>) -> bool {
-    let place = |hit: &Hit| (hit.instance, hit.primitive);
-    hit.t < limit || hit.t == limit && best.is_some_and(|best| place(hit) < place(best))
-}
-
-impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
-    #[inline(always)]
-    fn enter(&mut self, slot: usize) -> Option<Entrant<'a, N>> {
-        loop {
+    fn enter(&mut self, slots: [usize; PREPARED], group: &mut Group) {
+        let Stream {
+            accel,
+            mesh,
+            rays,
+            answers,
+        } = &mut self.stream;
+        group.len = 0;
+        while group.len < PREPARED
+            && let Some(ray) = rays.get(self.next)
+        {
             let index = self.next;
-            let ray = self.rays.get(index)?;
             self.next += 1;
-            let flight = &mut self.slots[slot];
-            flight.index = index;
-            flight.mesh = None;
-            flight.blocked = false;
-            flight.limit = match &self.found {
-                Found::Closest(hits) => hits[index].as_ref().map_or(ray.tmax, |hit| hit.t),
-                Found::Any(blocked) if blocked[index] => continue,
-                Found::Any(_) => ray.tmax,
+            let Some(mut limit) = answers.limit(index, ray) else {
+                continue;
             };
-            let entrant = match (self.instance, &self.accel.tree) {
-                (Some(instance), _) => self.dive(slot, instance),
-                (None, Some((tree, _))) if tree.fits_kernels(ray) => {
-                    Some(tree.entrant(ray, flight.limit))
+            let flight = &mut self.slots[slots[group.len]];
+            (flight.index, flight.limit, flight.mesh) = (index, limit, *mesh);
+            group.limits[group.len] = limit;
+            let local = &mut group.rays[group.len];
+            *local = *ray;
+            if let &mut Some((mesh, instance)) = mesh {
+                if let Some(moved) = accel.moved_ray(instance, ray) {
+                    flight.moved = Some(moved);
+                    *local = moved;
                 }
-                (None, _) => {
-                    match &mut self.found {
-                        Found::Closest(hits) => hits[index] = self.accel.intersect(ray),
-                        Found::Any(_) => flight.blocked = self.accel.occluded(ray),
-                    }
-                    None
+                if !mesh.fits_kernels(local) {
+                    answers.meet(accel, instance, ray, index, &mut limit);
+                    continue;
                 }
-            };
-            if entrant.is_some() {
-                return entrant;
+            } else if let Some((tree, _)) = &accel.tree
+                && !tree.fits_kernels(ray)
+            {
+                answers.alone(accel, ray, index);
+                continue;
             }
-            self.land(slot);
+            group.len += 1;
         }
     }
 
@@ -234,40 +255,40 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
         entrant: &Entrant<'a, N>,
         leaf: u32,
     ) -> Next<'a, N> {
+        let Stream {
+            accel,
+            rays,
+            answers,
+            ..
+        } = &mut self.stream;
         let flight = &mut self.slots[slot];
-        let before = flight.limit;
-        if let Some(mesh) = flight.mesh {
-            let ray = flight.moved.as_ref().unwrap_or(&self.rays[flight.index]);
+        let (before, ray) = (flight.limit, &rays[flight.index]);
+        if let Some((mesh, instance)) = flight.mesh {
             let at = AtLeaf {
-                ray,
+                ray: flight.moved.as_ref().unwrap_or(ray),
                 local: &entrant.ray,
                 corners: kernel.corners(&entrant.ray, entrant.start),
                 limit: entrant.limit,
             };
-            let limit = &mut flight.limit;
-            match &mut self.found {
-                Found::Any(_) => mesh.visit(kernel, &at, leaf, |hit, _| {
-                    flight.blocked |= hit.t < *limit;
-                }),
-                Found::Closest(hits) => {
-                    let best = &mut hits[flight.index];
-                    mesh.visit(kernel, &at, leaf, |hit, primitive| {
-                        let hit = Hit::of_triangle(&hit, primitive, flight.instance);
-                        if is_nearer(&hit, *limit, best.as_ref()) {
-                            *limit = hit.t;
-                            *best = Some(hit);
-                        }
-                    });
+            mesh.visit(kernel, &at, leaf, |hit, primitive| {
+                let hit = Hit::of_triangle(&hit, primitive, instance);
+                answers.offer(flight.index, hit, &mut flight.limit);
+            });
+        } else {
+            let (_, order) = accel.tree.as_ref().expect("it is in it");
+            let instance = order[leaf as usize];
+            if let Some(mesh) = accel.mesh_of(instance) {
+                let moved = accel.moved_ray(instance, ray);
+                let local = moved.as_ref().unwrap_or(ray);
+                if mesh.fits_kernels(local) {
+                    let entrant = Entrant::new(local, flight.limit, mesh.root());
+                    (flight.mesh, flight.moved) = (Some((mesh, instance)), moved);
+                    return Next::Down(entrant);
                 }
             }
-        } else {
-            let (_, order) = self.accel.tree.as_ref().expect("it is in it");
-            if let Some(entrant) = self.dive(slot, order[leaf as usize]) {
-                return Next::Down(entrant);
-            }
+            answers.meet(accel, instance, ray, flight.index, &mut flight.limit);
         }
-        let flight = &self.slots[slot];
-        if flight.blocked {
+        if flight.limit == ENOUGH {
             Next::Stop
         } else if flight.limit == before {
             Next::On
@@ -278,14 +299,8 @@ impl<'a, const N: usize> Traffic<'a, N> for Flights<'a, '_> {
 
     #[inline(always)]
     fn rise(&mut self, slot: usize) -> Entrant<'a, N> {
-        let (tree, _) = self.accel.tree.as_ref().expect("it came from there");
         let flight = &mut self.slots[slot];
         flight.mesh = None;
-        tree.entrant(&self.rays[flight.index], flight.limit)
-    }
-
-    #[inline(always)]
-    fn leave(&mut self, slot: usize) {
-        self.land(slot);
+        Entrant::new(&self.stream.rays[flight.index], flight.limit, self.root)
     }
 }

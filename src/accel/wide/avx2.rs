@@ -59,7 +59,7 @@ impl Kernel<8> for Avx2 {
         unsafe {
             let all = |x: f32| _mm256_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
-            let [x, y, z] = ray.sign;
+            let [x, y, z] = ray.sign.map(|sign| sign as usize);
             Boxes {
                 inverse: three(ray.inverse),
                 near: three(ray.near),
@@ -77,7 +77,7 @@ impl Kernel<8> for Avx2 {
         unsafe {
             let all = |x: f32| _mm256_set1_ps(x);
             let (scale, least) = ray.doubt();
-            let [x, y, z] = ray.axes;
+            let [x, y, z] = ray.axes.map(|axis| axis as usize);
             Corners {
                 origin: [all(ray.origin[0]), all(ray.origin[1]), all(ray.origin[2])],
                 shear: [all(ray.shear[0]), all(ray.shear[1])],

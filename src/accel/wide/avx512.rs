@@ -2,14 +2,16 @@
 
 use std::arch::x86_64::*;
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 use crate::accel::ray::TreeRay;
+use crate::math::Ray;
 
 use super::avx2::{Avx2, sort4};
 use super::block::Block;
-use super::kernel::{Kernel, Stack, Waiting};
+use super::kernel::{Kernel, PREPARED, Stack, Waiting};
 use super::node::Node;
+use super::prepare::prepare;
 
 #[derive(Clone, Copy)]
 pub(super) struct Avx512 {
@@ -42,12 +44,23 @@ impl Kernel<16> for Avx512 {
     type Corners = <Avx2 as Kernel<8>>::Corners;
 
     #[inline(always)]
+    unsafe fn prepare(
+        self,
+        rays: &[Ray; PREPARED],
+        center: DVec3,
+        extent: f32,
+        into: &[*mut TreeRay; PREPARED],
+    ) {
+        unsafe { prepare(rays, center, extent, into) };
+    }
+
+    #[inline(always)]
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
         // SAFETY: see `new`.
         unsafe {
             let all = |x: f32| _mm512_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
-            let [x, y, z] = ray.sign;
+            let [x, y, z] = ray.sign.map(|sign| sign as usize);
             Boxes {
                 inverse: three(ray.inverse),
                 near: three(ray.near),

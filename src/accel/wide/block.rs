@@ -36,8 +36,8 @@ impl Block {
 
     /// The coordinates of a triangle's corners along `axes`.
     #[inline(always)]
-    pub(in crate::accel) fn corners_along(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
-        let [x, y, z] = axes;
+    pub(in crate::accel) fn corners_along(&self, lane: usize, axes: [u32; 3]) -> [[f32; 3]; 3] {
+        let [x, y, z] = axes.map(|axis| axis as usize);
         let [a, b, c] = &self.corners;
         [
             [a[x][lane], a[y][lane], a[z][lane]],

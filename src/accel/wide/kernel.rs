@@ -1,7 +1,10 @@
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
+use glam::DVec3;
+
 use crate::accel::ray::TreeRay;
+use crate::math::Ray;
 
 use super::Walk;
 use super::block::Block;
@@ -34,6 +37,9 @@ pub(in crate::accel) fn is_near(waiting: Waiting, bits: u32) -> bool {
     (waiting >> 32) as u32 <= bits
 }
 
+/// Rays that are made ready at once.
+pub(in crate::accel) const PREPARED: usize = 8;
+
 /// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
 /// that it is written for.
 pub(in crate::accel) trait Kernel<const N: usize>: Copy {
@@ -41,6 +47,23 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     type Boxes: Copy;
     /// What the triangle test takes from the ray.
     type Corners: Copy;
+
+    /// Writes each of `rays`, made ready for a tree as [`TreeRay::new`] does it, to the same one of `into`.
+    ///
+    /// # Safety
+    /// They may be written to.
+    #[inline(always)]
+    unsafe fn prepare(
+        self,
+        rays: &[Ray; PREPARED],
+        center: DVec3,
+        extent: f32,
+        into: &[*mut TreeRay; PREPARED],
+    ) {
+        for (ray, into) in rays.iter().zip(into) {
+            unsafe { into.write(TreeRay::new(ray, center, extent)) };
+        }
+    }
 
     /// For boxes behind `start`, at least 0.
     fn boxes(self, ray: &TreeRay, start: f32) -> Self::Boxes;

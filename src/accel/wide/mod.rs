@@ -11,6 +11,9 @@ mod collapse;
 mod kernel;
 mod node;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, clippy::wildcard_imports)]
+mod prepare;
 mod stream;
 
 use std::any::Any;
@@ -33,9 +36,9 @@ use node::Node;
 use portable::Portable;
 
 pub(super) use block::{Block, LANES};
-pub(super) use kernel::{Kernel, Waiting, is_near, limit_bits};
+pub(super) use kernel::{Kernel, PREPARED, Waiting, is_near, limit_bits};
 pub(super) use node::LEAF;
-pub(super) use stream::{Entrant, Next, RAYS, Traffic, stream};
+pub(super) use stream::{Entrant, Group, Next, RAYS, Root, Traffic, stream};
 
 /// A tree with as many children a node as its kernel tests at once; what its leaves hold is the caller's affair.
 #[derive(Debug)]

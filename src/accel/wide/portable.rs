@@ -45,8 +45,8 @@ impl<const N: usize> Kernel<N> for Portable {
         let mut enter = [boxes.start; N];
         let mut leave = [limit; N];
         for axis in 0..3 {
-            let near = &node.planes[ray.sign[axis]][axis];
-            let far = &node.planes[1 - ray.sign[axis]][axis];
+            let sign = ray.sign[axis] as usize;
+            let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
             for lane in 0..N {
                 enter[lane] = enter[lane].max(near[lane] * ray.inverse[axis] - ray.near[axis]);
                 leave[lane] = leave[lane].min(far[lane] * ray.inverse[axis] - ray.far[axis]);
@@ -102,7 +102,7 @@ impl<const N: usize> Kernel<N> for Portable {
         let mut size = [0.0_f32; LANES];
         let corners = block.corners.each_ref().map(|planes| {
             let relative = |i: usize| -> [f32; LANES] {
-                from_fn(|lane| planes[ray.axes[i]][lane] - ray.origin[i])
+                from_fn(|lane| planes[ray.axes[i] as usize][lane] - ray.origin[i])
             };
             let (px, py, pz) = (relative(0), relative(1), relative(2));
             let p: [[f32; LANES]; 2] = [

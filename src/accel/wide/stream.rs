@@ -1,25 +1,60 @@
+use std::array::from_fn;
 use std::mem::MaybeUninit;
 
+use glam::DVec3;
+
 use crate::accel::ray::TreeRay;
+use crate::math::Ray;
 
 use super::Walk;
-use super::kernel::{Kernel, STACK, Waiting, is_near, limit_bits};
+use super::kernel::{Kernel, PREPARED, STACK, Waiting, is_near, limit_bits};
 use super::node::{LEAF, Node};
 
-/// Rays under way at once: while one waits for memory or for its own last result, others go on.
-pub(in crate::accel) const RAYS: usize = 16;
+/// Rays under way at once: while one waits for memory or for its own last result, others go on. New ones start when
+/// [`PREPARED`] slots are free.
+pub(in crate::accel) const RAYS: usize = 24;
 
 /// The link below all that waits in a tree.
 const DONE: u32 = u32::MAX;
 
-/// A ray made ready for a tree, with the part of it that matters in units of the box test.
-pub(in crate::accel) struct Entrant<'a, const N: usize> {
+/// A tree as rays enter it.
+#[derive(Clone, Copy)]
+pub(in crate::accel) struct Root<'a, const N: usize> {
     pub walk: Walk<'a, N>,
-    pub ray: TreeRay,
-    pub start: f32,
-    pub limit: f32,
     /// Where the leaves stand and how far apart, for a tree so large that they are fetched ahead.
     pub leaves: Option<(*const u8, usize)>,
+    /// What [`TreeRay::new`] asks for.
+    pub center: DVec3,
+    pub extent: f32,
+}
+
+/// A ray under way in a tree.
+pub(in crate::accel) struct Entrant<'a, const N: usize> {
+    pub ray: TreeRay,
+    /// In units of the box test.
+    pub start: f32,
+    pub limit: f32,
+    root: Root<'a, N>,
+}
+
+impl<'a, const N: usize> Entrant<'a, N> {
+    pub(in crate::accel) fn new(ray: &Ray, tmax: f64, root: Root<'a, N>) -> Self {
+        let local = TreeRay::new(ray, root.center, root.extent);
+        Self {
+            start: local.box_start(ray.tmin),
+            limit: local.box_limit(tmax),
+            ray: local,
+            root,
+        }
+    }
+}
+
+/// Rays that start at once.
+pub(in crate::accel) struct Group {
+    pub len: usize,
+    pub rays: [Ray; PREPARED],
+    /// Where they end.
+    pub limits: [f64; PREPARED],
 }
 
 /// What a ray does after a leaf.
@@ -37,8 +72,11 @@ pub(in crate::accel) enum Next<'a, const N: usize> {
 
 /// Many rays, and what they find in a tree, or in a tree of trees.
 pub(in crate::accel) trait Traffic<'a, const N: usize> {
-    /// The next ray, which is to be number `slot` of those under way.
-    fn enter(&mut self, slot: usize) -> Option<Entrant<'a, N>>;
+    /// Where all rays start.
+    fn root(&self) -> Root<'a, N>;
+
+    /// Fills `group` with the next rays, which are to be those with the numbers in `slots`.
+    fn enter(&mut self, slots: [usize; PREPARED], group: &mut Group);
 
     /// Number `slot` is at a leaf.
     fn visit<K: Kernel<N>>(
@@ -51,9 +89,6 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
 
     /// Number `slot` comes back from a tree in a leaf.
     fn rise(&mut self, slot: usize) -> Entrant<'a, N>;
-
-    /// Number `slot` has seen all that it meets, and its place is free.
-    fn leave(&mut self, slot: usize);
 }
 
 struct Slot<'a, const N: usize> {
@@ -65,12 +100,14 @@ struct Slot<'a, const N: usize> {
     stack: [MaybeUninit<Waiting>; STACK],
 }
 
-/// The slots at a node and those at a leaf.
+/// The slots at a node, those at a leaf, and those without a ray.
 struct Turns {
     at_node: [u8; RAYS + 1],
     nodes: usize,
     at_leaf: [u8; RAYS + 1],
     leaves: usize,
+    free: [u8; RAYS],
+    idle: usize,
 }
 
 impl Turns {
@@ -87,7 +124,7 @@ impl Turns {
 
 impl<'a, const N: usize> Slot<'a, N> {
     fn place(&mut self, entrant: Entrant<'a, N>) {
-        self.link = entrant.walk.root;
+        self.link = entrant.root.walk.root;
         self.entrant = entrant;
     }
 
@@ -128,11 +165,11 @@ impl<'a, const N: usize> Slot<'a, N> {
     /// Asks for the cache lines of where the ray goes next, which need not be there.
     #[inline(always)]
     fn fetch(&self) {
-        let Some(leaves) = self.entrant.leaves else {
+        let Some(leaves) = self.entrant.root.leaves else {
             return;
         };
         let nodes = (
-            self.entrant.walk.nodes.as_ptr().cast::<u8>(),
+            self.entrant.root.walk.nodes.as_ptr().cast::<u8>(),
             size_of::<Node<N>>(),
         );
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
@@ -155,50 +192,72 @@ const LINES: usize = 6;
 #[inline(always)]
 #[allow(
     clippy::large_stack_arrays,
-    reason = "128 KiB, of which few pages are used, for batches of thousands"
+    reason = "200 KiB, of which few pages are used, for batches of thousands"
 )]
 pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
     kernel: K,
     traffic: &mut impl Traffic<'a, N>,
 ) {
     let mut slots = [const { MaybeUninit::<Slot<'a, N>>::uninit() }; RAYS];
+    let slots = slots.as_mut_ptr().cast::<Slot<'a, N>>();
     let mut turns = Turns {
         at_node: [0; RAYS + 1],
         nodes: 0,
         at_leaf: [0; RAYS + 1],
         leaves: 0,
+        free: std::array::from_fn(|i| i as u8),
+        idle: RAYS,
     };
-    for (i, slot) in slots.iter_mut().enumerate() {
-        let Some(entrant) = traffic.enter(i) else {
-            break;
-        };
-        turns.put(i as u8, entrant.walk.root);
-        let slot = slot.as_mut_ptr();
-        // SAFETY: fields of a slot that is not in use yet; the stack's other entries are written before they are read.
-        unsafe {
-            (&raw mut (*slot).link).write(entrant.walk.root);
-            (&raw mut (*slot).entrant).write(entrant);
-            (&raw mut (*slot).len).write(0);
-            (&raw mut (*slot).floor).write(0);
-            (*slot).stack[0].write(u64::from(DONE));
+    let root = traffic.root();
+    let mut group = Group {
+        len: PREPARED,
+        rays: [Ray::new(DVec3::ZERO, DVec3::X); PREPARED],
+        limits: [0.0; PREPARED],
+    };
+    loop {
+        while group.len == PREPARED && turns.idle >= PREPARED {
+            let ids: [usize; PREPARED] = from_fn(|i| usize::from(turns.free[turns.idle - 1 - i]));
+            traffic.enter(ids, &mut group);
+            turns.idle -= group.len;
+            // SAFETY: ids are those of slots without rays. Their fields are written here, but for the stack's other
+            // entries, which are written before they are read.
+            unsafe {
+                let into = ids.map(|i| &raw mut (*slots.add(i)).entrant.ray);
+                kernel.prepare(&group.rays, root.center, root.extent, &into);
+                for (i, &id) in ids[..group.len].iter().enumerate() {
+                    let slot = slots.add(id);
+                    let ray = &(*slot).entrant.ray;
+                    let (start, limit) = (
+                        ray.box_start(group.rays[i].tmin),
+                        ray.box_limit(group.limits[i]),
+                    );
+                    (&raw mut (*slot).entrant.start).write(start);
+                    (&raw mut (*slot).entrant.limit).write(limit);
+                    (&raw mut (*slot).entrant.root).write(root);
+                    (&raw mut (*slot).link).write(root.walk.root);
+                    (&raw mut (*slot).len).write(0);
+                    (&raw mut (*slot).floor).write(0);
+                    (*slot).stack[0].write(u64::from(DONE));
+                    turns.put(id as u8, root.walk.root);
+                }
+            }
         }
-    }
-    let slots = slots.as_mut_ptr().cast::<Slot<'a, N>>();
-    while turns.nodes + turns.leaves > 0 {
+        if turns.nodes + turns.leaves == 0 {
+            return;
+        }
         for k in 0..std::mem::take(&mut turns.nodes) {
             let i = turns.at_node[k];
-            // SAFETY: only slots that were admitted have turns. Links lead to nodes of the slot's tree, and stacks are
-            // never fuller than trees are built for.
+            // SAFETY: only slots with rays have turns. Links lead to nodes of the slot's tree, and stacks are never
+            // fuller than trees are built for.
             unsafe {
                 let slot = &mut *slots.add(i as usize);
                 let Entrant {
-                    walk,
                     ray,
                     start,
                     limit,
-                    ..
+                    root,
                 } = &slot.entrant;
-                let node = walk.nodes.get_unchecked(slot.link as usize);
+                let node = root.walk.nodes.get_unchecked(slot.link as usize);
                 let boxes = kernel.boxes(ray, *start);
                 let limit = *limit;
                 let top = slot.top().add(slot.len + 1);
@@ -214,13 +273,11 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
             unsafe {
                 let slot = &mut *slots.add(i as usize);
                 if slot.link == DONE && slot.floor == 0 {
-                    traffic.leave(i as usize);
-                    let Some(entrant) = traffic.enter(i as usize) else {
-                        continue;
-                    };
-                    slot.len = 0;
-                    slot.place(entrant);
-                } else if slot.link == DONE {
+                    turns.free[turns.idle] = i;
+                    turns.idle += 1;
+                    continue;
+                }
+                if slot.link == DONE {
                     slot.floor = 0;
                     slot.entrant = traffic.rise(i as usize);
                     slot.cut();
