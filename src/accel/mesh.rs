@@ -13,7 +13,7 @@ use crate::memory::Pages;
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, Kernel, LANES, Root, Task, WideTree};
+use super::wide::{Block, GROUP, Kernel, LANES, Packet, Root, Seat, Task, WideTree};
 use choice::{cornered, distinct};
 use tasks::{Any, Closest, Visit};
 
@@ -197,6 +197,47 @@ impl MeshTree {
                 && hit.t > at.ray.tmin
             {
                 offer(hit, block.primitives[lane]);
+            }
+        }
+    }
+
+    /// As [`MeshTree::visit`] for the rays of a packet in `mask`; `offer` gets their numbers.
+    #[inline(always)]
+    pub(super) fn visit_packet<K: Kernel<N>, const N: usize>(
+        &self,
+        kernel: K,
+        packet: &mut Packet,
+        seat: &Seat,
+        leaf: u32,
+        mask: u64,
+        mut offer: impl FnMut(&mut Packet, usize, TriangleHit, u32),
+    ) {
+        let block = &self.leaves[leaf as usize];
+        let (windows, mut seen) = packet.triangle_windows(seat, &block.corners);
+        while seen != 0 {
+            let lane = seen.trailing_zeros() as usize & (LANES - 1);
+            seen &= seen - 1;
+            let mut inside = mask & kernel.within(&packet.points, &windows[lane]);
+            let corners = block.corners_along(lane, packet.axes);
+            while inside != 0 {
+                let first = inside.trailing_zeros() as usize / GROUP * GROUP;
+                let group = (inside >> first) as u32 & ((1 << GROUP) - 1);
+                inside &= !(u64::from(group) << first);
+                let found = packet.decide(kernel, first, self.center, corners);
+                let mut met = group & u32::from(found.mask);
+                while met != 0 {
+                    let i = met.trailing_zeros() as usize & (GROUP - 1);
+                    met &= met - 1;
+                    let hit = TriangleHit {
+                        t: found.t[i],
+                        u: found.u[i],
+                        v: found.v[i],
+                        inside: (found.back >> i & 1 == 1) == packet.ascends(),
+                    };
+                    if hit.t > packet.tmin {
+                        offer(packet, first + i, hit, block.primitives[lane]);
+                    }
+                }
             }
         }
     }

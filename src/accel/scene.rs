@@ -1,4 +1,5 @@
 mod batch;
+mod packets;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -30,7 +30,7 @@ struct View {
 }
 
 /// Coordinates below this are taken for 0, so that products of two of them and their roundings do not underflow.
-const TINY: f64 = f64::from_bits((1023 - 400) << 52);
+pub(super) const TINY: f64 = f64::from_bits((1023 - 400) << 52);
 
 impl Triangle {
     /// Where the ray meets the triangle, its edges included.
@@ -43,9 +43,7 @@ impl Triangle {
     #[inline(always)]
     pub(super) fn intersect(ray: &ExactRay, corners: [[f32; 3]; 3]) -> Option<TriangleHit> {
         let view = View::new(ray, corners);
-        let DVec3 { x: u, y: v, z: w } = view.edges;
-        let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
-        (inside && view.edges != DVec3::ZERO).then(|| view.hit(ray))
+        view.met().then(|| view.hit(ray))
     }
 
     /// Where the ray goes through the triangle. Of the triangles around an edge or a corner that the ray hits exactly,
@@ -127,6 +125,15 @@ impl View {
             corners,
             edges: DVec3::new(edge(b, c), edge(c, a), edge(a, b)),
         }
+    }
+
+    /// Whether edge functions have one sign, zeros aside.
+    #[inline(always)]
+    fn met(&self) -> bool {
+        let DVec3 { x: u, y: v, z: w } = self.edges;
+        let front = (u >= 0.0) & (v >= 0.0) & (w >= 0.0);
+        let back = (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
+        (front | back) & ((u != 0.0) | (v != 0.0) | (w != 0.0))
     }
 
     /// For a triangle whose edge functions have one sign, zeros aside.

@@ -74,6 +74,74 @@ fn crowd(rng: &mut Pcg64Mcg) -> (Vec<Mesh>, Vec<Placed>) {
     (meshes, crowd)
 }
 
+/// Rays of a camera at `eye` that looks at `to`: a square of `n` by `n`, a third as wide as it is far away.
+fn camera_rays(eye: DVec3, to: DVec3, n: usize) -> Vec<Ray> {
+    let along = to - eye;
+    let across = along.any_orthogonal_vector().normalize() * along.length();
+    let up = along.cross(across).normalize() * along.length();
+    let offset = |i: usize| (i as f64 + 0.5) / n as f64 / 3.0 - 1.0 / 6.0;
+    (0..n * n)
+        .map(|i| Ray::new(eye, along + offset(i % n) * across + offset(i / n) * up))
+        .collect()
+}
+
+#[test]
+fn rays_from_one_point_meet_the_same_together_and_alone() {
+    let mut rng = Pcg64Mcg::seed_from_u64(31);
+    let (meshes, crowd) = crowd(&mut rng);
+    let alone = |shape: Shape, at: DAffine3| vec![placed(shape, at)];
+    let turned = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 1.0);
+    let scenes = [
+        crowd,
+        alone(Shape::Mesh(MeshId(2)), DAffine3::IDENTITY),
+        alone(Shape::Mesh(MeshId(1)), turned),
+    ];
+    let mut hit = 0;
+    for placed in scenes {
+        let corners = |rng: &mut Pcg64Mcg| {
+            let Shape::Mesh(id) = placed[0].shape else {
+                return DVec3::ZERO;
+            };
+            let mesh = &meshes[id.0 as usize];
+            let p = mesh.positions[rng.random_range(0..mesh.positions.len())];
+            placed[0].world_from_object.point(p.as_dvec3())
+        };
+        let accel = Accel::build(&meshes, &[], placed.clone()).unwrap();
+        for i in 0..200 {
+            let eye = 10.0_f64.powf(rng.random_range(-1.0..3.0)) * random_direction(&mut rng);
+            let to = if i % 2 == 0 {
+                corners(&mut rng)
+            } else {
+                0.5 * random_direction(&mut rng)
+            };
+            let mut rays = camera_rays(eye, to, 16);
+            if i % 3 == 0 {
+                // At corners, straight.
+                for ray in &mut rays {
+                    *ray = Ray::new(eye, corners(&mut rng) - eye);
+                }
+            }
+            for ray in &mut rays {
+                ray.tmin = if i % 5 == 0 { 1.0 } else { 0.0 };
+                if i % 7 == 0 {
+                    ray.tmax = rng.random_range(0.5..1.5);
+                }
+            }
+            let mut hits = vec![None; rays.len()];
+            accel.intersect_batch(&rays, &mut hits);
+            let mut blocked = vec![false; rays.len()];
+            accel.occluded_batch(&rays, &mut blocked);
+            for ((ray, found), blocked) in rays.iter().zip(&hits).zip(&blocked) {
+                let expected = accel.intersect(ray);
+                assert_eq!(*found, expected, "{ray:?}");
+                assert_eq!(*blocked, expected.is_some(), "{ray:?}");
+                hit += usize::from(expected.is_some());
+            }
+        }
+    }
+    assert!(hit > 30_000, "{hit}");
+}
+
 #[test]
 fn closest_and_any_hit_equal_brute_force_over_everything() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);

@@ -58,7 +58,7 @@ impl Accel {
 
     /// The tree of `instance`, where that is a mesh.
     #[inline]
-    fn mesh_of(&self, instance: u32) -> Option<&MeshTree> {
+    pub(super) fn mesh_of(&self, instance: u32) -> Option<&MeshTree> {
         match self.placed[instance as usize].shape {
             Shape::Mesh(id) => Some(&self.meshes[id.0 as usize]),
             _ => None,
@@ -67,7 +67,7 @@ impl Accel {
 }
 
 /// What is asked of each ray, and what was found so far.
-trait Answers {
+pub(super) trait Answers {
     /// Where to look for more: before this; `None` where enough is known.
     fn limit(&self, index: usize, ray: &Ray) -> Option<f64>;
 
@@ -88,7 +88,7 @@ struct Closest<'a>(&'a mut [Option<Hit>]);
 struct Any<'a>(&'a mut [bool]);
 
 /// Nothing is left to look for.
-const ENOUGH: f64 = f64::NEG_INFINITY;
+pub(super) const ENOUGH: f64 = f64::NEG_INFINITY;
 
 impl Answers for Closest<'_> {
     #[inline(always)]
@@ -147,12 +147,12 @@ impl Answers for Any<'_> {
 }
 
 /// All rays through one mesh, or through the tree of all placed shapes.
-struct Stream<'a, 'f, A> {
-    accel: &'a Accel,
+pub(super) struct Stream<'a, 'f, A> {
+    pub accel: &'a Accel,
     /// The one mesh, and whose.
-    mesh: Option<(&'a MeshTree, u32)>,
-    rays: &'a [Ray],
-    answers: &'f mut A,
+    pub mesh: Option<(&'a MeshTree, u32)>,
+    pub rays: &'a [Ray],
+    pub answers: &'f mut A,
 }
 
 impl<A: Answers> Task for Stream<'_, '_, A> {
@@ -172,20 +172,27 @@ impl<A: Answers> Task for Stream<'_, '_, A> {
             moved: None,
         };
         let mut flights = Flights {
+            end: self.rays.len(),
             stream: self,
             root,
             next: 0,
             slots: [flight; RAYS],
         };
-        stream(kernel, &mut flights);
+        while flights.next < flights.stream.rays.len() {
+            flights.packets(kernel);
+            stream(kernel, &mut flights);
+        }
     }
 }
 
 /// The rays, and those of them that are under way.
-struct Flights<'a, 'f, A, const N: usize> {
-    stream: Stream<'a, 'f, A>,
-    root: Root<'a, N>,
-    next: usize,
+pub(super) struct Flights<'a, 'f, A, const N: usize> {
+    pub stream: Stream<'a, 'f, A>,
+    pub root: Root<'a, N>,
+    /// The next ray to start.
+    pub next: usize,
+    /// Where a stream ends.
+    pub end: usize,
     slots: [Flight<'a>; RAYS],
 }
 
@@ -215,10 +222,8 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
             answers,
         } = &mut self.stream;
         group.len = 0;
-        while group.len < PREPARED
-            && let Some(ray) = rays.get(self.next)
-        {
-            let index = self.next;
+        while group.len < PREPARED && self.next < self.end {
+            let (index, ray) = (self.next, &rays[self.next]);
             self.next += 1;
             let Some(mut limit) = answers.limit(index, ray) else {
                 continue;

@@ -9,6 +9,7 @@ use crate::accel::ray::TreeRay;
 use super::block::{Block, LANES};
 use super::kernel::{Kernel, Stack, Waiting};
 use super::node::Node;
+use super::packet::{GROUP, Met};
 
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(());
@@ -50,6 +51,8 @@ pub(super) struct Corners {
 }
 
 impl Kernel<8> for Avx2 {
+    const PACKETS: bool = false;
+
     type Boxes = Boxes;
     type Corners = Corners;
 
@@ -118,6 +121,10 @@ impl Kernel<8> for Avx2 {
     unsafe fn push(self, node: &Node<8>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
         let (enter, mask) = self.meet(node, boxes, limit);
         unsafe { self.sorted(node, enter, mask, top) }
+    }
+
+    fn decide(self, _: [&[f64; GROUP]; 2], _: &[f64; GROUP], _: [[f64; 3]; 3]) -> Met {
+        unreachable!("it takes no packets")
     }
 
     #[inline(always)]

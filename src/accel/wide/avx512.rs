@@ -9,8 +9,10 @@ use crate::math::Ray;
 
 use super::avx2::{Avx2, sort4};
 use super::block::Block;
+use super::decide::decide;
 use super::kernel::{Kernel, PREPARED, Stack, Waiting};
 use super::node::Node;
+use super::packet::{GROUP, Met, PACKET, Points, Window};
 use super::prepare::prepare;
 
 #[derive(Clone, Copy)]
@@ -40,6 +42,8 @@ pub(super) struct Boxes {
 }
 
 impl Kernel<16> for Avx512 {
+    const PACKETS: bool = true;
+
     type Boxes = Boxes;
     type Corners = <Avx2 as Kernel<8>>::Corners;
 
@@ -103,6 +107,40 @@ impl Kernel<16> for Avx512 {
     unsafe fn push(self, node: &Node<16>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
         let (enter, mask) = self.meet(node, boxes, limit);
         unsafe { self.sorted(node, enter, mask, top) }
+    }
+
+    #[inline(always)]
+    fn decide(
+        self,
+        shear: [&[f64; GROUP]; 2],
+        length: &[f64; GROUP],
+        corners: [[f64; 3]; 3],
+    ) -> Met {
+        // SAFETY: see `new`.
+        unsafe { decide(shear, length, corners) }
+    }
+
+    #[inline(always)]
+    fn within(self, points: &Points, window: &Window) -> u64 {
+        // SAFETY: see `new`; points are loaded from where they stand.
+        unsafe {
+            let all = |x: f32| _mm512_set1_ps(x);
+            let [x0, x1] = window.x;
+            let [y0, y1] = window.y;
+            let (x0, x1, y0, y1, near) = (all(x0), all(x1), all(y0), all(y1), all(window.near));
+            let mut mask = 0;
+            for group in 0..PACKET / 16 {
+                let load = |row: &[f32; PACKET]| _mm512_load_ps(row.as_ptr().add(16 * group));
+                let (x, y, reach) = (load(&points.x), load(&points.y), load(&points.reach));
+                let m = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(x, x0);
+                let m = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(m, x, x1);
+                let m = _mm512_mask_cmp_ps_mask::<_CMP_GE_OQ>(m, y, y0);
+                let m = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(m, y, y1);
+                let m = _mm512_mask_cmp_ps_mask::<_CMP_GE_OQ>(m, reach, near);
+                mask |= u64::from(m) << (16 * group);
+            }
+            mask
+        }
     }
 
     #[inline(always)]

@@ -9,6 +9,7 @@ use crate::math::Ray;
 use super::Walk;
 use super::block::Block;
 use super::node::{LEAF, NONE, Node};
+use super::packet::{GROUP, Met, PACKET, Points, Window};
 
 /// The most subtrees of one tree that a ray may leave to wait; trees are built so.
 pub(super) const MOST_WAITING: usize = 480;
@@ -43,6 +44,9 @@ pub(in crate::accel) const PREPARED: usize = 8;
 /// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
 /// that it is written for.
 pub(in crate::accel) trait Kernel<const N: usize>: Copy {
+    /// Whether packets pay.
+    const PACKETS: bool;
+
     /// What the box test takes from the ray.
     type Boxes: Copy;
     /// What the triangle test takes from the ray.
@@ -94,6 +98,28 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         limit: f32,
         top: *mut Waiting,
     ) -> usize;
+
+    /// What rays of a packet meet of a triangle with these corners, relative to their origin: [`Packet::decide`].
+    fn decide(
+        self,
+        shear: [&[f64; GROUP]; 2],
+        length: &[f64; GROUP],
+        corners: [[f64; 3]; 3],
+    ) -> Met;
+
+    /// A bit for each point in the window whose ray looks as far.
+    #[inline(always)]
+    fn within(self, points: &Points, window: &Window) -> u64 {
+        (0..PACKET).fold(0, |mask, i| {
+            let (x, y) = (points.x[i], points.y[i]);
+            let inside = (window.x[0] <= x)
+                & (x <= window.x[1])
+                & (window.y[0] <= y)
+                & (y <= window.y[1])
+                & (window.near <= points.reach[i]);
+            mask | u64::from(inside) << i
+        })
+    }
 
     /// A bit for each triangle that is not certainly missed, or certainly hit before the start or beyond `limit`.
     fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;

@@ -8,8 +8,12 @@ mod avx2;
 mod avx512;
 mod block;
 mod collapse;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, clippy::wildcard_imports)]
+mod decide;
 mod kernel;
 mod node;
+mod packet;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, clippy::wildcard_imports)]
@@ -38,6 +42,7 @@ use portable::Portable;
 pub(super) use block::{Block, LANES};
 pub(super) use kernel::{Kernel, PREPARED, Waiting, is_near, limit_bits};
 pub(super) use node::LEAF;
+pub(super) use packet::{Catch, GROUP, PACKET, Packet, Seat, walk_packet};
 pub(super) use stream::{Entrant, Group, Next, RAYS, Root, Traffic, stream};
 
 /// A tree with as many children a node as its kernel tests at once; what its leaves hold is the caller's affair.
@@ -87,6 +92,12 @@ impl<const N: usize> Walk<'_, N> {
         visit: impl FnMut(u32) -> ControlFlow<(), f32>,
     ) -> ControlFlow<()> {
         kernel::traverse(kernel, self, ray, start, limit, visit)
+    }
+
+    /// Only what is below `link`.
+    #[inline(always)]
+    pub(super) fn below(self, link: u32) -> Self {
+        Self { root: link, ..self }
     }
 
     /// Where to start from.

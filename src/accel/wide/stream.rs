@@ -174,17 +174,26 @@ impl<'a, const N: usize> Slot<'a, N> {
         );
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
         let place = base.wrapping_add((self.link & !LEAF) as usize * size);
-        #[cfg(target_arch = "x86_64")]
         for line in 0..LINES {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a prefetch of any address does no harm.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(64 * line).cast()) };
+            fetch_line(place.wrapping_add(64 * line));
         }
     }
 }
 
+/// Asks for a cache line.
+#[inline(always)]
+pub(super) fn fetch_line(place: *const u8) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a prefetch of any address does no harm.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(place.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
+
 /// Cache lines that a step reads: 5 of a leaf, 7 of a node of 16.
-#[cfg(target_arch = "x86_64")]
 const LINES: usize = 6;
 
 /// Walks many rays through trees, [`RAYS`] at a time: in turns, those at a node take a step and those at a leaf visit
