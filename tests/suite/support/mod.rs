@@ -1,5 +1,6 @@
 //! Scenes made in code, and renders of them, for the tests.
 
+pub mod brute;
 #[cfg(feature = "embree")]
 pub mod comparison;
 pub mod leaks;
