@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::color::Rgb;
+use crate::color::{Encoding, Rgb};
 use crate::error::{Error, Place, Result};
 use crate::material::{Fresnel, Material, Surface};
 use crate::texture::{Bitmap, Texture};
@@ -145,6 +145,7 @@ impl Definition {
             name: self.name.clone(),
             surface,
             emission: self.emission.filter(|_| emits).unwrap_or_default(),
+            ..Material::default()
         })
     }
 
@@ -156,19 +157,16 @@ impl Definition {
         let image = if let Some(image) = textures.get(&map.file) {
             Arc::clone(image)
         } else {
-            let image = Arc::new(read_bitmap(&map.file).map_err(|e| {
+            let image = Arc::new(read_bitmap(&map.file, Encoding::Srgb).map_err(|e| {
                 let name = map.file.display();
                 Error::new(e.kind(), format!("the texture {name}: {}", e.message()))
                     .at(map.place.clone())
-                    .help("textures are PNG, JPEG, BMP, TGA or HDR files beside the MTL file")
+                    .help("textures are PNG, JPEG, BMP, TGA, HDR or EXR files beside the MTL file")
             })?);
             textures.insert(map.file.clone(), Arc::clone(&image));
             image
         };
-        Ok(Texture::Image {
-            image,
-            scale: color.unwrap_or(Rgb::ONE),
-        })
+        Ok(Texture::image(image, color.unwrap_or(Rgb::ONE)))
     }
 }
 

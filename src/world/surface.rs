@@ -44,10 +44,17 @@ impl World {
         };
         let outward = transform.normal(at.n);
         let ng = outward.as_vec3().normalize();
-        let ns = (at.shading)
-            .map(|n| transform.normal(n).as_vec3())
-            .filter(|n| n.is_finite())
-            .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n });
+        let material = instance.material(at.slot);
+        let ns = match &self.scene.materials[material.0 as usize].relief {
+            None => (at.shading)
+                .map(|n| transform.normal(n).as_vec3())
+                .filter(|n| n.is_finite())
+                .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n }),
+            Some(relief) => {
+                let n = transform.normal(self.bent(relief, instance, hit, &at));
+                above_horizon(n.as_vec3(), ng)
+            }
+        };
         SurfacePoint {
             p: transform.point(at.p),
             instance: hit.instance,
@@ -55,12 +62,8 @@ impl World {
             ng,
             side: if hit.inside { -1.0 } else { 1.0 },
             ns,
-            texture: TexturePoint {
-                p: at.p,
-                n: at.n,
-                uv: at.uv,
-            },
-            material: instance.material(at.slot),
+            texture: at.texture_point(),
+            material,
         }
     }
 
@@ -75,18 +78,13 @@ impl World {
             let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
             (u * na + v * nb + w * nc).as_dvec3()
         });
-        let uv = if mesh.uvs.is_empty() {
-            weights
-        } else {
-            let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
-            u * ta + v * tb + w * tc
-        };
+        let [ta, tb, tc] = mesh.uv_corners(triangle);
         LocalPoint {
             p: a + f64::from(v) * ab + f64::from(w) * ac,
             // An operand keeps triangles without area.
             n: ab.cross(ac).normalize_or(DVec3::Z),
             shading,
-            uv,
+            uv: u * ta + v * tb + w * tc,
             slot: mesh.slot(triangle),
         }
     }
@@ -132,15 +130,38 @@ impl World {
 }
 
 /// A point on a surface in the object's space.
-struct LocalPoint {
-    p: DVec3,
+pub(super) struct LocalPoint {
+    pub(super) p: DVec3,
     /// Outward unit normal.
-    n: DVec3,
+    pub(super) n: DVec3,
     /// Interpolated normal, not of unit length.
-    shading: Option<DVec3>,
+    pub(super) shading: Option<DVec3>,
     uv: Vec2,
     /// Material slot.
     slot: u32,
+}
+
+impl LocalPoint {
+    pub(super) fn texture_point(&self) -> TexturePoint {
+        TexturePoint {
+            p: self.p,
+            n: self.n,
+            uv: self.uv,
+        }
+    }
+}
+
+/// A bent normal laid down on the surface where it points below; `ng` where it points nowhere.
+fn above_horizon(n: Vec3, ng: Vec3) -> Vec3 {
+    if !n.is_finite() {
+        return ng;
+    }
+    let height = n.dot(ng);
+    if height < 0.0 {
+        (n - height * ng).normalize_or(ng)
+    } else {
+        n
+    }
 }
 
 fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {

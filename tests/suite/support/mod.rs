@@ -83,6 +83,7 @@ impl Build for Scene {
             name: format!("m{}", self.materials.len()),
             surface,
             emission: Rgb::splat(emission),
+            ..Material::default()
         });
         MaterialId(self.materials.len() as u32 - 1)
     }

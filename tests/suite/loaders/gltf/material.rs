@@ -20,6 +20,7 @@ fn materials_become_the_nearest_of_ours() {
         {"emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 20}}},
         {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}},
     ]);
+    document["textures"] = json!([{}]);
     let model = read(&files, &(document, binary));
     let color = Texture::Constant(Rgb::new(0.75, 0.5, 0.25));
     let fresnel = Fresnel::Exact;
@@ -49,7 +50,7 @@ fn materials_become_the_nearest_of_ours() {
     assert_eq!(model.materials[6].emission, Rgb::new(20.0, 10.0, 0.0));
     assert_eq!(model.materials[7].emission, Rgb::ZERO);
     assert!(
-        model.warnings[0].contains("/materials/7"),
+        model.warnings[0].contains("/textures/0"),
         "{:?}",
         model.warnings
     );
@@ -82,7 +83,7 @@ fn base_colour_textures_come_from_files_data_and_views() {
         document["images"] = json!([source]);
         let model = read(&files, &(document.clone(), binary.clone()));
         let Surface::Diffuse {
-            color: Texture::Image { image, scale },
+            color: Texture::Image { image, scale, .. },
         } = &model.materials[0].surface
         else {
             panic!("{:?}", model.materials[0]);
