@@ -232,7 +232,7 @@ impl MeshTree {
                         t: found.t[i],
                         u: found.u[i],
                         v: found.v[i],
-                        inside: (found.back >> i & 1 == 1) == packet.ascends(),
+                        inside: found.inside >> i & 1 == 1,
                     };
                     if hit.t > packet.tmin {
                         offer(packet, first + i, hit, block.primitives[lane]);

@@ -43,7 +43,19 @@ impl Triangle {
     #[inline(always)]
     pub(super) fn intersect(ray: &ExactRay, corners: [[f32; 3]; 3]) -> Option<TriangleHit> {
         let view = View::new(ray, corners);
-        view.met().then(|| view.hit(ray))
+        view.met().then(|| view.hit(ray.length))
+    }
+
+    /// The same for a ray that is given by what an [`ExactRay`] says of its direction, and corners relative to its
+    /// origin.
+    #[inline(always)]
+    pub(super) fn intersect_from_origin(
+        shear: [f64; 2],
+        length: f64,
+        corners: [[f64; 3]; 3],
+    ) -> Option<TriangleHit> {
+        let view = View::from_origin(shear, corners);
+        view.met().then(|| view.hit(length))
     }
 
     /// Where the ray goes through the triangle. Of the triangles around an edge or a corner that the ray hits exactly,
@@ -60,7 +72,7 @@ impl Triangle {
     /// [`Triangle::crossing`] without the filter.
     pub(super) fn decide_crossing(&self, ray: &TreeRay, exact: &ExactRay) -> Option<TriangleHit> {
         let view = self.view(ray, exact);
-        view.crossed().then(|| view.hit(exact))
+        view.crossed().then(|| view.hit(exact.length))
     }
 
     /// Barycentric weights of the second and third corner where the ray goes through the triangle; for a ray that
@@ -115,10 +127,18 @@ impl View {
     /// Of the triangle with these corners, their axes in the ray's order.
     #[inline(always)]
     fn new(ray: &ExactRay, corners: [[f32; 3]; 3]) -> Self {
+        let [a, b, c] = corners;
+        let relative = [relative(ray, a), relative(ray, b), relative(ray, c)];
+        Self::from_origin(ray.shear, relative)
+    }
+
+    /// Corners are relative to the ray's origin.
+    #[inline(always)]
+    fn from_origin(shear: [f64; 2], corners: [[f64; 3]; 3]) -> Self {
         let corners = [
-            sheared(ray, corners[0]),
-            sheared(ray, corners[1]),
-            sheared(ray, corners[2]),
+            sheared(shear, corners[0]),
+            sheared(shear, corners[1]),
+            sheared(shear, corners[2]),
         ];
         let [a, b, c] = corners;
         Self {
@@ -138,14 +158,14 @@ impl View {
 
     /// For a triangle whose edge functions have one sign, zeros aside.
     #[inline(always)]
-    fn hit(&self, ray: &ExactRay) -> TriangleHit {
+    fn hit(&self, length: f64) -> TriangleHit {
         let [a, b, c] = self.corners;
         let det = self.edges.element_sum();
         TriangleHit {
-            t: self.edges.dot(DVec3::new(a.z, b.z, c.z)) / (det * ray.length),
+            t: self.edges.dot(DVec3::new(a.z, b.z, c.z)) / (det * length),
             u: self.edges.y / det,
             v: self.edges.z / det,
-            inside: (det < 0.0) == (ray.length > 0.0),
+            inside: (det < 0.0) == (length > 0.0),
         }
     }
 
@@ -164,11 +184,17 @@ impl View {
 }
 
 #[inline(always)]
-fn sheared(ray: &ExactRay, corner: [f32; 3]) -> DVec3 {
-    let x = f64::from(corner[0]) - ray.origin[0];
-    let y = f64::from(corner[1]) - ray.origin[1];
-    let z = f64::from(corner[2]) - ray.origin[2];
-    DVec3::new(seen(x - z * ray.shear[0]), seen(y - z * ray.shear[1]), z)
+fn relative(ray: &ExactRay, corner: [f32; 3]) -> [f64; 3] {
+    [
+        f64::from(corner[0]) - ray.origin[0],
+        f64::from(corner[1]) - ray.origin[1],
+        f64::from(corner[2]) - ray.origin[2],
+    ]
+}
+
+#[inline(always)]
+fn sheared(shear: [f64; 2], [x, y, z]: [f64; 3]) -> DVec3 {
+    DVec3::new(seen(x - z * shear[0]), seen(y - z * shear[1]), z)
 }
 
 #[inline(always)]

@@ -107,8 +107,16 @@ fn rays_from_one_point_meet_the_same_together_and_alone() {
             let p = mesh.positions[rng.random_range(0..mesh.positions.len())];
             placed[0].world_from_object.point(p.as_dvec3())
         };
-        let accel = Accel::build(&meshes, &[], placed.clone()).unwrap();
-        for i in 0..200 {
+        let kernels = Kernel::available().into_iter().map(|kernel| {
+            let options = AccelOptions {
+                kernel,
+                ..AccelOptions::default()
+            };
+            Accel::build_with(&meshes, &[], placed.clone(), options).unwrap()
+        });
+        let kernels: Vec<Accel> = kernels.collect();
+        for i in 0..210 {
+            let accel = &kernels[i % kernels.len()];
             let eye = 10.0_f64.powf(rng.random_range(-1.0..3.0)) * random_direction(&mut rng);
             let to = if i % 2 == 0 {
                 corners(&mut rng)

@@ -31,9 +31,6 @@ impl<A: Answers, const N: usize> Flights<'_, '_, A, N> {
             answers,
         } = &mut self.stream;
         self.end = rays.len();
-        if !K::PACKETS {
-            return;
-        }
         let place = mesh
             .filter(|(_, instance)| accel.moved[*instance as usize])
             .map(|(_, instance)| &accel.placed[instance as usize].world_from_object);

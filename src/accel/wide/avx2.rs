@@ -9,7 +9,7 @@ use crate::accel::ray::TreeRay;
 use super::block::{Block, LANES};
 use super::kernel::{Kernel, Stack, Waiting};
 use super::node::Node;
-use super::packet::{GROUP, Met};
+use super::packet::{PACKET, Points, Window};
 
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(());
@@ -51,8 +51,6 @@ pub(super) struct Corners {
 }
 
 impl Kernel<8> for Avx2 {
-    const PACKETS: bool = false;
-
     type Boxes = Boxes;
     type Corners = Corners;
 
@@ -123,8 +121,32 @@ impl Kernel<8> for Avx2 {
         unsafe { self.sorted(node, enter, mask, top) }
     }
 
-    fn decide(self, _: [&[f64; GROUP]; 2], _: &[f64; GROUP], _: [[f64; 3]; 3]) -> Met {
-        unreachable!("it takes no packets")
+    #[inline(always)]
+    fn within(self, points: &Points, window: &Window) -> u64 {
+        // SAFETY: see `new`; points are loaded from where they stand.
+        unsafe {
+            let all = |x: f32| _mm256_set1_ps(x);
+            let [x0, x1] = window.x;
+            let [y0, y1] = window.y;
+            let (x0, x1, y0, y1, near) = (all(x0), all(x1), all(y0), all(y1), all(window.near));
+            let mut mask = 0;
+            for group in 0..PACKET / 8 {
+                let load = |row: &[f32; PACKET]| _mm256_load_ps(row.as_ptr().add(8 * group));
+                let (x, y, reach) = (load(&points.x), load(&points.y), load(&points.reach));
+                let x = _mm256_and_ps(
+                    _mm256_cmp_ps::<_CMP_GE_OQ>(x, x0),
+                    _mm256_cmp_ps::<_CMP_LE_OQ>(x, x1),
+                );
+                let y = _mm256_and_ps(
+                    _mm256_cmp_ps::<_CMP_GE_OQ>(y, y0),
+                    _mm256_cmp_ps::<_CMP_LE_OQ>(y, y1),
+                );
+                let reach = _mm256_cmp_ps::<_CMP_GE_OQ>(reach, near);
+                let inside = _mm256_and_ps(_mm256_and_ps(x, y), reach);
+                mask |= u64::from(_mm256_movemask_ps(inside) as u8) << (8 * group);
+            }
+            mask
+        }
     }
 
     #[inline(always)]

@@ -42,8 +42,6 @@ pub(super) struct Boxes {
 }
 
 impl Kernel<16> for Avx512 {
-    const PACKETS: bool = true;
-
     type Boxes = Boxes;
     type Corners = <Avx2 as Kernel<8>>::Corners;
 

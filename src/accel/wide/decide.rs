@@ -37,7 +37,7 @@ pub(super) unsafe fn decide(
         // Both only where all are 0.
         let mut met = Met {
             mask: front ^ back,
-            back: 0,
+            inside: 0,
             t: [0.0; GROUP],
             u: [0.0; GROUP],
             v: [0.0; GROUP],
@@ -52,7 +52,9 @@ pub(super) unsafe fn decide(
             _mm512_storeu_pd(met.t.as_mut_ptr(), t);
             _mm512_storeu_pd(met.u.as_mut_ptr(), _mm512_div_pd(v, det));
             _mm512_storeu_pd(met.v.as_mut_ptr(), _mm512_div_pd(w, det));
-            met.back = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(det, zero);
+            let back = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(det, zero);
+            let ascending = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(length, zero);
+            met.inside = !(back ^ ascending);
         }
         met
     }

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use crate::accel::ray::TreeRay;
+use crate::accel::triangle::Triangle;
 use crate::math::Ray;
 
 use super::Walk;
@@ -44,9 +45,6 @@ pub(in crate::accel) const PREPARED: usize = 8;
 /// One ray against the boxes of a node, and against the triangles of a leaf. Whoever has a kernel has the instructions
 /// that it is written for.
 pub(in crate::accel) trait Kernel<const N: usize>: Copy {
-    /// Whether packets pay.
-    const PACKETS: bool;
-
     /// What the box test takes from the ray.
     type Boxes: Copy;
     /// What the triangle test takes from the ray.
@@ -100,12 +98,30 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     ) -> usize;
 
     /// What rays of a packet meet of a triangle with these corners, relative to their origin: [`Packet::decide`].
+    #[inline(always)]
     fn decide(
         self,
         shear: [&[f64; GROUP]; 2],
         length: &[f64; GROUP],
         corners: [[f64; 3]; 3],
-    ) -> Met;
+    ) -> Met {
+        let mut met = Met {
+            mask: 0,
+            inside: 0,
+            t: [0.0; GROUP],
+            u: [0.0; GROUP],
+            v: [0.0; GROUP],
+        };
+        for i in 0..GROUP {
+            let shear = [shear[0][i], shear[1][i]];
+            if let Some(hit) = Triangle::intersect_from_origin(shear, length[i], corners) {
+                met.mask |= 1 << i;
+                met.inside |= u8::from(hit.inside) << i;
+                (met.t[i], met.u[i], met.v[i]) = (hit.t, hit.u, hit.v);
+            }
+        }
+        met
+    }
 
     /// A bit for each point in the window whose ray looks as far.
     #[inline(always)]

@@ -25,8 +25,8 @@ pub(in crate::accel) const GROUP: usize = 8;
 pub(in crate::accel) struct Met {
     /// A bit for each ray that meets it.
     pub mask: u8,
-    /// A bit for each where the determinant is negative.
-    pub back: u8,
+    /// A bit for each that comes from the side that the triangle faces away from.
+    pub inside: u8,
     pub t: [f64; GROUP],
     /// Barycentric weights of the second and third corner.
     pub u: [f64; GROUP],
@@ -168,11 +168,6 @@ impl Packet {
         let group = |row: &[f64; PACKET]| -> [f64; GROUP] { from_fn(|i| row[first + i]) };
         let shear = [&group(&self.shear[0]), &group(&self.shear[1])];
         kernel.decide(shear, &group(&self.length), corners)
-    }
-
-    /// Whether the main axis is followed upward.
-    pub(in crate::accel) fn ascends(&self) -> bool {
-        self.sign > 0.0
     }
 
     /// Ray number `i` now ends at `limit`.

@@ -8,7 +8,6 @@ use crate::accel::ray::TreeRay;
 use super::block::{Block, LANES};
 use super::kernel::{Kernel, STACK, Stack, Waiting};
 use super::node::{NONE, Node};
-use super::packet::{GROUP, Met};
 
 #[derive(Clone, Copy)]
 pub(super) struct Portable;
@@ -20,8 +19,6 @@ pub(super) struct Boxes {
 }
 
 impl<const N: usize> Kernel<N> for Portable {
-    const PACKETS: bool = false;
-
     type Boxes = Boxes;
     type Corners = TreeRay;
 
@@ -97,10 +94,6 @@ impl<const N: usize> Kernel<N> for Portable {
             }
         }
         len + 1
-    }
-
-    fn decide(self, _: [&[f64; GROUP]; 2], _: &[f64; GROUP], _: [[f64; 3]; 3]) -> Met {
-        unreachable!("it takes no packets")
     }
 
     #[inline(always)]
