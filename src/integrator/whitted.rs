@@ -1,4 +1,4 @@
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
@@ -8,8 +8,8 @@ use crate::world::{Media, SurfacePoint, World};
 
 use super::{CameraRay, Integrator, media};
 
-/// Recursive ray tracing after Whitted 1980: diffuse surfaces show direct light, mirrors and glass pass
-/// the ray on. At a dielectric one of the two directions is followed, by chance.
+/// Recursive ray tracing after Whitted 1980: matt and rough surfaces show direct light, mirrors and glass pass
+/// the ray on, and so do smooth coats. Of several directions one is followed, by chance.
 #[derive(Clone, Copy, Debug)]
 pub struct WhittedIntegrator {
     /// Most reflections and refractions.
@@ -37,7 +37,9 @@ impl WhittedIntegrator {
         let mut light = Rgb::ZERO;
         for depth in 0..=self.max_depth {
             *traced += 1;
-            let Some(hit) = world.intersect(&ray) else {
+            let hit = world.intersect(&ray);
+            beta *= media.transmittance(hit.map_or(f64::INFINITY, |hit| hit.t));
+            let Some(hit) = hit else {
                 return light + beta * self.background.unwrap_or(world.scene().environment);
             };
             let point = world.surface(&ray, &hit);
@@ -45,10 +47,11 @@ impl WhittedIntegrator {
             let bsdf = world.bsdf(&point, &media);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {
-                return light + beta * self.direct(world, &point, &bsdf, camera, depth, traced);
+                light += beta * self.direct(world, &point, &bsdf, wo, camera, depth, traced);
             }
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
-            let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
+            let sample = bsdf.sample(wo, pick, Vec2::new(u, v));
+            let Some(sample) = sample.filter(|sample| sample.pdf.is_infinite()) else {
                 return light;
             };
             beta *= sample.weight;
@@ -64,6 +67,7 @@ impl WhittedIntegrator {
         world: &World,
         point: &SurfacePoint,
         bsdf: &Bsdf,
+        wo: Vec3,
         camera: &CameraRay,
         depth: u32,
         traced: &mut u64,
@@ -72,7 +76,7 @@ impl WhittedIntegrator {
             let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
                 return Rgb::ZERO;
             };
-            let (f_cos, _) = bsdf.eval(wi);
+            let (f_cos, _) = bsdf.eval(wo, wi);
             if f_cos == Rgb::ZERO {
                 return Rgb::ZERO;
             }

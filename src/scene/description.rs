@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::error::Place;
 use crate::geometry::{CsgOp, Solid};
 use crate::light::PointLight;
-use crate::material::Fresnel;
+use crate::material::Surface;
 use crate::math::Transform;
 
 use super::{FilmSettings, IntegratorSettings, Repeat};
@@ -101,27 +101,8 @@ pub struct MaterialDescription {
     pub emission: Rgb,
 }
 
-/// How a surface scatters light; see [`crate::material::Surface`].
-#[derive(Clone, Debug, PartialEq)]
-pub enum SurfaceDescription {
-    /// Lambert's.
-    Diffuse {
-        /// Albedo.
-        color: ColorDescription,
-    },
-    /// Perfect reflection.
-    Mirror {
-        /// Reflectance.
-        color: ColorDescription,
-    },
-    /// A smooth boundary between air and a clear medium.
-    Dielectric {
-        /// Index of refraction, above 0.
-        ior: f32,
-        /// How much is reflected.
-        fresnel: Fresnel,
-    },
-}
+/// How a surface scatters light, its colours as written.
+pub type SurfaceDescription = Surface<ColorDescription>;
 
 /// A colour that may vary over a surface; see [`crate::texture::Texture`].
 #[derive(Clone, Debug, PartialEq)]

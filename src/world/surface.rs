@@ -25,6 +25,8 @@ pub struct SurfacePoint {
     pub side: f32,
     /// Shading normal, on the side of `ng`.
     pub ns: Vec3,
+    /// Along the surface, where its first coordinate grows; of any length.
+    pub tangent: Vec3,
     /// What textures see.
     pub texture: TexturePoint,
     /// The surface's material.
@@ -55,6 +57,7 @@ impl World {
             ng,
             side: if hit.inside { -1.0 } else { 1.0 },
             ns,
+            tangent: transform.vector(at.tangent).as_vec3(),
             texture: TexturePoint {
                 p: at.p,
                 n: at.n,
@@ -75,17 +78,22 @@ impl World {
             let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
             (u * na + v * nb + w * nc).as_dvec3()
         });
-        let uv = if mesh.uvs.is_empty() {
-            weights
+        let (uv, tangent) = if mesh.uvs.is_empty() {
+            (weights, ab)
         } else {
             let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
-            u * ta + v * tb + w * tc
+            let (along, across) = ((tb - ta).as_dvec2(), (tc - ta).as_dvec2());
+            // Where the first coordinate grows by 1 and the second by 0, times the area on the texture.
+            let tangent = across.y * ab - along.y * ac;
+            let area = along.perp_dot(across);
+            (u * ta + v * tb + w * tc, tangent * area.signum())
         };
         LocalPoint {
             p: a + f64::from(v) * ab + f64::from(w) * ac,
             // An operand keeps triangles without area.
             n: ab.cross(ac).normalize_or(DVec3::Z),
             shading,
+            tangent,
             uv,
             slot: mesh.slot(triangle),
         }
@@ -104,6 +112,7 @@ impl World {
                     p,
                     n: self.csg(id).hole_normal(hit.primitive, p),
                     shading: None,
+                    tangent: DVec3::ZERO,
                     uv: Vec2::ZERO,
                     slot: 0,
                 }
@@ -125,6 +134,7 @@ impl World {
             p: transform.point(at.p),
             n: sign * transform.normal(at.n),
             shading: at.shading.map(|n| sign * transform.normal(n)),
+            tangent: transform.vector(at.tangent),
             uv: at.uv,
             slot: csg.slot(hit.primitive, at.slot),
         }
@@ -138,6 +148,8 @@ struct LocalPoint {
     n: DVec3,
     /// Interpolated normal, not of unit length.
     shading: Option<DVec3>,
+    /// Where the first coordinate grows, of any length.
+    tangent: DVec3,
     uv: Vec2,
     /// Material slot.
     slot: u32,
@@ -149,6 +161,7 @@ fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
         p,
         n: solid.normal(p, face),
         shading: None,
+        tangent: solid.tangent(p, face),
         uv: solid.uv(p, face).as_vec2(),
         slot: 0,
     }

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Solid};
 use solidtrace::integrator::{CameraRay, Integrator};
-use solidtrace::material::{Fresnel, Surface};
+use solidtrace::material::Surface;
 use solidtrace::sampling::{SamplerKind, uniform_sphere};
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
@@ -240,13 +240,7 @@ fn mixed() -> Scene {
     scene.environment = Rgb::new(0.1, 0.2, 0.3);
     let white = scene.material(diffuse(0.8), 0.0);
     let lamp = scene.material(diffuse(0.3), 4.0);
-    let glass = scene.material(
-        Surface::Dielectric {
-            ior: 1.5,
-            fresnel: Fresnel::Exact,
-        },
-        0.0,
-    );
+    let glass = scene.material(Surface::glass(1.5), 0.0);
     let mirror = scene.material(
         Surface::Mirror {
             color: Texture::Constant(Rgb::splat(0.9)),

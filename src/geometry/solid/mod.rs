@@ -212,6 +212,16 @@ impl Solid {
         dispatch!(self, shape => shape.uv(p, face))
     }
 
+    /// The direction in which the first surface coordinate grows at `p` on `face`, of any length.
+    pub fn tangent(&self, p: DVec3, face: u32) -> DVec3 {
+        match self {
+            Self::Plane => DVec3::X,
+            Self::Box { .. } => cuboid::tangent(face),
+            // Around the axis.
+            _ => DVec3::new(-p.y, p.x, 0.0),
+        }
+    }
+
     /// Moves `p`, near the surface of `face`, onto it, to within a few ulps of the solid's size.
     pub fn project(&self, p: DVec3, face: u32) -> DVec3 {
         dispatch!(self, shape => shape.project(p, face))

@@ -12,10 +12,8 @@ use std::sync::Arc;
 
 use crate::error::{Error, Place, Result, did_you_mean};
 use crate::geometry::{Csg, CsgId, MeshId, Operand, Shape};
-use crate::material::{Material, MaterialId, Surface};
-use crate::scene::description::{
-    ColorDescription, ObjectTree, Offset, Reference, SurfaceDescription,
-};
+use crate::material::{Material, MaterialId};
+use crate::scene::description::{ColorDescription, ObjectTree, Offset, Reference};
 use crate::scene::{Instance, Scene, SceneDescription};
 use crate::texture::{Bitmap, Texture};
 
@@ -107,7 +105,7 @@ impl SceneDescription {
         for (i, material) in self.materials.iter().enumerate() {
             let resolved = Material {
                 name: material.name.clone(),
-                surface: loader.surface(&material.surface)?,
+                surface: (material.surface).try_map(&mut |color| loader.texture(color))?,
                 emission: material.emission,
             };
             loader.scene.materials.push(resolved);
@@ -185,21 +183,6 @@ impl Loader<'_> {
             Error::input(format!("there is no material `{}`", name.name))
                 .at(self.place(name.offset))
                 .help(did_you_mean(&name.name, self.materials.keys().copied()))
-        })
-    }
-
-    fn surface(&mut self, surface: &SurfaceDescription) -> Result<Surface> {
-        Ok(match surface {
-            SurfaceDescription::Diffuse { color } => Surface::Diffuse {
-                color: self.texture(color)?,
-            },
-            SurfaceDescription::Mirror { color } => Surface::Mirror {
-                color: self.texture(color)?,
-            },
-            SurfaceDescription::Dielectric { ior, fresnel } => Surface::Dielectric {
-                ior: *ior,
-                fresnel: *fresnel,
-            },
         })
     }
 

@@ -120,8 +120,8 @@ fn scene(root: &Node) -> tree::Result<SceneDescription> {
     let lights = f.or("lights", Vec::new(), |node| {
         node.items()?.iter().map(view::light).collect()
     })?;
-    let materials = f.or("materials", Vec::new(), |node| {
-        named(node, |name, node| materials::material(node, &name.text))
+    let materials = f.or("materials", Vec::new(), |all| {
+        named(all, |name, node| materials::material(node, &name.text, all))
     })?;
     let definitions = f.or("definitions", Vec::new(), |node| {
         named(node, |name, node| {

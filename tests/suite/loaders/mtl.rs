@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use solidtrace::color::Rgb;
 use solidtrace::io::{read_bitmap, read_model};
-use solidtrace::material::{Fresnel, Material, Surface};
+use solidtrace::material::{Material, Principled, Surface};
 use solidtrace::texture::{Bitmap, Texture};
 
 use super::{Files, mutate};
@@ -27,10 +27,7 @@ fn diffuse(r: f32, g: f32, b: f32) -> Surface {
 }
 
 fn glass(ior: f32) -> Surface {
-    Surface::Dielectric {
-        ior,
-        fresnel: Fresnel::Exact,
-    }
+    Surface::glass(ior)
 }
 
 /// Two pixels: sRGB (0, 128, 255) and (255, 0, 51).
