@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use crate::color::Rgb;
 use crate::material::Fresnel;
@@ -10,160 +11,193 @@ use crate::material::Fresnel;
 use super::fresnel::{dielectric, edge};
 use super::microfacet::Microfacets;
 
-/// Albedos over roughness and the cosine of the direction, in layers.
-pub(super) struct Table {
-    /// By layer, roughness and the cosine's root.
-    values: Vec<[[f32; COSINES]; ROUGHNESSES]>,
-    /// Averages over the hemisphere, weighted by the cosine.
-    averages: Vec<[f32; ROUGHNESSES]>,
+/// A function on the unit cube of `N` dimensions, known at the nodes of a grid and linear between.
+pub(super) struct Grid<const N: usize> {
+    counts: [usize; N],
+    values: Vec<f32>,
 }
 
-const ROUGHNESSES: usize = 16;
-/// Evenly spaced roots of the cosine: albedos bend most at grazing angles.
-const COSINES: usize = 32;
-
-impl Table {
-    /// `albedos` gives all layers' albedos for a roughness and a cosine.
-    pub(super) fn new(layers: usize, albedos: impl Fn(f32, f32) -> Vec<f32>) -> Self {
-        let mut table = Self {
-            values: vec![[[0.0; COSINES]; ROUGHNESSES]; layers],
-            averages: vec![[0.0; ROUGHNESSES]; layers],
+impl<const N: usize> Grid<N> {
+    /// `f` at `counts` even steps from 0 to 1 along each axis.
+    pub(super) fn new(counts: [usize; N], f: impl Fn([f32; N]) -> f32 + Sync) -> Self {
+        let node = |mut i: usize| {
+            let mut x = [0.0; N];
+            for (x, &count) in x.iter_mut().zip(&counts).rev() {
+                *x = (i % count) as f32 / (count - 1) as f32;
+                i /= count;
+            }
+            f(x)
         };
-        for r in 0..ROUGHNESSES {
-            let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
-            for c in 0..COSINES {
-                let root = c as f32 / (COSINES - 1) as f32;
-                let found = albedos(roughness, (root * root).max(1e-4));
-                for (layer, albedo) in found.into_iter().enumerate() {
-                    table.values[layer][r][c] = albedo;
+        let values = (0..counts.iter().product()).into_par_iter().map(node);
+        Self {
+            counts,
+            values: values.collect(),
+        }
+    }
+
+    /// The function at a point; outside of the cube as at the nearest point of it.
+    pub(super) fn at(&self, x: [f32; N]) -> f32 {
+        let mut low = 0;
+        let mut axes = [(0, 0.0); N];
+        for ((axis, &count), x) in axes.iter_mut().zip(&self.counts).zip(x) {
+            let at = x.clamp(0.0, 1.0) * (count - 1) as f32;
+            let i = (at as usize).min(count - 2);
+            low = low * count + i;
+            axis.1 = at - i as f32;
+        }
+        let mut stride = 1;
+        for (axis, &count) in axes.iter_mut().zip(&self.counts).rev() {
+            axis.0 = stride;
+            stride *= count;
+        }
+        let mut sum = 0.0;
+        for corner in 0..1_u32 << N {
+            let (mut index, mut weight) = (low, 1.0);
+            for (k, (stride, part)) in axes.iter().enumerate() {
+                if corner >> k & 1 == 1 {
+                    index += stride;
+                    weight *= part;
+                } else {
+                    weight *= 1.0 - part;
                 }
             }
-            for layer in 0..layers {
-                let steps = 1024;
-                let parts = (0..steps).map(|i| {
-                    let cos = (i as f32 + 0.5) / steps as f32;
-                    2.0 * cos * table.at(layer, roughness, cos) / steps as f32
-                });
-                table.averages[layer][r] = parts.sum();
+            if weight > 0.0 {
+                sum += weight * self.values[index];
             }
         }
-        table
-    }
-
-    /// The albedo for light that leaves under an angle of cosine `cos`.
-    pub(super) fn at(&self, layer: usize, roughness: f32, cos: f32) -> f32 {
-        let rows = &self.values[layer];
-        let along = |row: &[f32; COSINES]| between(row, cos.clamp(0.0, 1.0).sqrt());
-        let (r, t) = place(ROUGHNESSES, roughness);
-        let low = along(&rows[r]);
-        if t == 0.0 {
-            return low;
-        }
-        low + t * (along(&rows[r + 1]) - low)
-    }
-
-    /// Its average over the hemisphere.
-    pub(super) fn average(&self, layer: usize, roughness: f32) -> f32 {
-        between(&self.averages[layer], roughness)
+        sum
     }
 }
 
-/// Index below `x` of 0..=1 among `count` even steps, and the rest.
-fn place(count: usize, x: f32) -> (usize, f32) {
-    let at = x.clamp(0.0, 1.0) * (count - 1) as f32;
-    let i = (at as usize).min(count - 2);
-    (i, at - i as f32)
-}
-
-fn between<const N: usize>(row: &[f32; N], x: f32) -> f32 {
-    let (i, t) = place(N, x);
-    row[i] + t * (row[i + 1] - row[i])
-}
-
-/// Of facets of width `alpha`, for each of the reflectances.
-fn of_facets(alpha: f32, cos: f32, reflectances: &[impl Fn(f32) -> f32]) -> Vec<f32> {
-    let Some(wo) = (alpha > 0.0).then(|| Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)) else {
-        return reflectances.iter().map(|f| f(cos)).collect();
+/// The mean of an albedo over the hemisphere, weighted by the cosine, of which it takes the root.
+fn average(albedo: impl Fn(f32) -> f32) -> f32 {
+    const STEPS: usize = 512;
+    let part = |i| {
+        let root = (i as f32 + 0.5) / STEPS as f32;
+        4.0 * root.powi(3) * albedo(root) / STEPS as f32
     };
+    (0..STEPS).map(part).sum()
+}
+
+/// The direction, along x, whose cosine has the given root. Albedos bend most at grazing angles: tables are over the root.
+pub(super) fn from_root(root: f32) -> Vec3 {
+    let cos = (root * root).max(1e-4);
+    Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
+}
+
+/// The share of light from `wo` that comes off `facets` after a single reflection.
+fn of_facets(facets: &Microfacets, wo: Vec3, reflectance: impl Fn(f32) -> f32) -> f32 {
     const COUNT: usize = 512;
-    let facets = Microfacets::isotropic(alpha);
-    let mut sums = vec![0.0; reflectances.len()];
-    for i in 0..COUNT {
-        // The golden ratio's lattice.
-        let u = (i as f32 + 0.5) / COUNT as f32;
-        let v = (i as f32 * 0.618_034).fract();
-        let Some(wi) = facets.reflect(wo, Vec2::new(u, v)) else {
-            continue;
-        };
+    let part = |u2| {
+        let wi = facets.reflect(wo, u2)?;
         let once = facets.reflected(wo, wi);
-        for (sum, reflectance) in sums.iter_mut().zip(reflectances) {
-            *sum += reflectance(once.cos) * once.f_cos / once.pdf;
-        }
-    }
-    sums.iter().map(|sum| sum / COUNT as f32).collect()
+        Some(reflectance(once.cos) * once.f_cos / once.pdf)
+    };
+    lattice(COUNT).filter_map(part).sum::<f32>() / COUNT as f32
 }
 
-/// Layer 0: facets that reflect all light; 1: facets of Schlick's falloff. Any reflectance of Schlick's form is a sum of
-/// the two.
-static FACETS: LazyLock<Table> = LazyLock::new(|| {
-    let reflectances: [fn(f32) -> f32; 2] = [|_| 1.0, edge];
-    Table::new(2, |roughness, cos| {
-        of_facets(roughness * roughness, cos, &reflectances)
+/// Points spread evenly over the unit square, by the golden ratio.
+pub(super) fn lattice(count: usize) -> impl Iterator<Item = Vec2> {
+    (0..count).map(move |i| {
+        let u = (i as f32 + 0.5) / count as f32;
+        Vec2::new(u, (i as f32 * 0.618_034).fract())
+    })
+}
+
+/// Of facets of a roughness, 0 for a smooth surface.
+fn of_roughness(roughness: f32, root: f32, reflectance: impl Fn(f32) -> f32) -> f32 {
+    let wo = from_root(root);
+    if roughness == 0.0 {
+        return reflectance(wo.z);
+    }
+    let facets = Microfacets::isotropic(roughness * roughness);
+    of_facets(&facets, wo, reflectance)
+}
+
+/// A table over roughness and the root of the cosine, and its averages over the hemisphere.
+struct Rough {
+    albedo: Grid<2>,
+    average: Grid<1>,
+}
+
+impl Rough {
+    fn new(reflectance: impl Fn(f32) -> f32 + Sync) -> Self {
+        let albedo = Grid::new([32, 32], |[r, root]| of_roughness(r, root, &reflectance));
+        let average = Grid::new([32], |[r]| average(|root| albedo.at([r, root])));
+        Self { albedo, average }
+    }
+}
+
+/// Facets that reflect all light.
+static WHITE: LazyLock<Rough> = LazyLock::new(|| Rough::new(|_| 1.0));
+/// Facets of Schlick's falloff.
+static EDGE: LazyLock<Rough> = LazyLock::new(|| Rough::new(edge));
+
+/// Facets that reflect all light, stretched along x: over the roughness that way, the root of the ratio of widths, the
+/// direction's azimuth in quarters of a turn and the root of its cosine.
+static BRUSHED: LazyLock<Grid<4>> = LazyLock::new(|| {
+    Grid::new([13, 7, 7, 16], |[roughness, ratio, quarter, root]| {
+        if roughness == 0.0 {
+            return 1.0;
+        }
+        let long = roughness * roughness;
+        let facets = Microfacets::stretched(Vec2::new(long, long * (ratio * ratio).max(1e-3)), 0.0);
+        let turn = Vec2::from_angle(quarter * std::f32::consts::FRAC_PI_2);
+        let wo = from_root(root);
+        of_facets(&facets, (turn * wo.x).extend(wo.z), |_| 1.0)
+    })
+});
+/// Its averages over the hemisphere.
+static BRUSHED_AVERAGE: LazyLock<Grid<2>> = LazyLock::new(|| {
+    Grid::new([13, 7], |[roughness, ratio]| {
+        const TURNS: usize = 24;
+        let turn = |i| (i as f32 + 0.5) / TURNS as f32;
+        let albedo = |i| average(|root| BRUSHED.at([roughness, ratio, turn(i), root]));
+        (0..TURNS).map(albedo).sum::<f32>() / TURNS as f32
     })
 });
 
-/// Reflection from the outside of a dielectric; layer `i` has the index `coat_ior(i)`.
-static COATS: LazyLock<Table> = LazyLock::new(|| {
-    let ior = |layer| {
-        let root = layer as f32 * LARGEST_ROOT / (COATS_LAYERS - 1) as f32;
-        (1.0 + root) / (1.0 - root)
-    };
-    let reflectance = |layer| move |cos: f32| dielectric(Fresnel::Exact, cos, ior(layer));
-    let reflectances: Vec<_> = (0..COATS_LAYERS).map(reflectance).collect();
-    Table::new(COATS_LAYERS, |roughness, cos| {
-        of_facets(roughness * roughness, cos, &reflectances)
+/// Reflection from the outside of a dielectric: over the root of its reflectance at normal incidence, the roughness and
+/// the root of the cosine.
+static COATS: LazyLock<Grid<3>> = LazyLock::new(|| {
+    Grid::new([11, 24, 32], |[f0_root, roughness, root]| {
+        let part = LARGEST_ROOT * f0_root;
+        let ior = (1.0 + part) / (1.0 - part);
+        of_roughness(roughness, root, |cos| dielectric(Fresnel::Exact, cos, ior))
     })
 });
-const COATS_LAYERS: usize = 11;
-/// Of the reflectance at normal incidence, for an index of 3. Layers are even in that root.
+static COATS_AVERAGE: LazyLock<Grid<2>> =
+    LazyLock::new(|| Grid::new([11, 24], |[f0, r]| average(|root| COATS.at([f0, r, root]))));
+/// For an index of 3.
 const LARGEST_ROOT: f32 = 0.5;
 
 /// Reflection at a rough dielectric of index 1 to 3 from outside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coat {
-    layer: usize,
-    part: f32,
+    f0_root: f32,
     roughness: f32,
 }
 
 impl Coat {
     pub(super) fn new(ior: f32, roughness: f32) -> Self {
-        let root = (ior - 1.0) / (ior + 1.0);
-        let (layer, part) = place(COATS_LAYERS, root / LARGEST_ROOT);
         Self {
-            layer,
-            part,
+            f0_root: (ior - 1.0) / (ior + 1.0) / LARGEST_ROOT,
             roughness,
         }
     }
 
     /// For light that leaves under an angle of cosine `cos`.
     pub(super) fn albedo(&self, cos: f32) -> f32 {
-        self.mix(|layer| COATS.at(layer, self.roughness, cos))
+        COATS.at([self.f0_root, self.roughness, cos.max(0.0).sqrt()])
     }
 
     /// Its average over the hemisphere.
     pub(super) fn average(&self) -> f32 {
-        self.mix(|layer| COATS.average(layer, self.roughness))
-    }
-
-    fn mix(&self, of: impl Fn(usize) -> f32) -> f32 {
-        let low = of(self.layer);
-        low + self.part * (of(self.layer + 1) - low)
+        COATS_AVERAGE.at([self.f0_root, self.roughness])
     }
 }
 
-/// The albedo of facets: what comes off the surface after a single reflection.
+/// What comes off facets after a single reflection, if they reflect all light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Whole {
     pub(super) facets: Microfacets,
@@ -172,14 +206,24 @@ pub(super) struct Whole {
 
 impl Whole {
     pub(super) fn new(facets: Microfacets) -> Self {
-        // Around the normal all directions count.
-        let average = FACETS.average(0, facets.alpha(Vec3::Z).sqrt());
+        let roughness = facets.widths().max_element().sqrt();
+        let average = match facets.brush() {
+            None => WHITE.average.at([roughness]),
+            Some(_) => BRUSHED_AVERAGE.at([roughness, ratio_root(&facets)]),
+        };
         Self { facets, average }
     }
 
-    /// Of facets that reflect all light.
+    /// The albedo towards `w`.
     pub(super) fn albedo(&self, w: Vec3) -> f32 {
-        FACETS.at(0, self.facets.alpha(w).sqrt(), w.z)
+        let roughness = self.facets.widths().max_element().sqrt();
+        let root = w.z.max(0.0).sqrt();
+        let Some(brush) = self.facets.brush() else {
+            return WHITE.albedo.at([roughness, root]);
+        };
+        let (along, across) = (w.truncate().dot(brush), w.truncate().perp_dot(brush));
+        let quarter = across.abs().atan2(along.abs()) / std::f32::consts::FRAC_PI_2;
+        BRUSHED.at([roughness, ratio_root(&self.facets), quarter, root])
     }
 
     /// The lobe of what facets send on to one another, over `cos / pi`, if they reflect all light
@@ -195,7 +239,13 @@ impl Whole {
     }
 }
 
-/// The albedo of facets whose reflectance is Schlick's, `f0` at normal incidence and `f90` at grazing angles.
+/// Root of the ratio of a brushed surface's widths.
+fn ratio_root(facets: &Microfacets) -> f32 {
+    let widths = facets.widths();
+    (widths.min_element() / widths.max_element()).sqrt()
+}
+
+/// Facets whose reflectance is Schlick's, `f0` at normal incidence and `f90` at grazing angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schlick {
     pub(super) f0: Rgb,
@@ -203,22 +253,40 @@ pub(super) struct Schlick {
 }
 
 impl Schlick {
-    /// Of one facet.
+    /// The reflectance of one facet.
     pub(super) fn at(&self, cos: f32) -> Rgb {
         self.f0 + (self.f90 - self.f0) * edge(cos)
     }
 
-    /// Of smooth or rough surfaces, for light that leaves under an angle of cosine `cos`.
+    /// The albedo of a smooth or rough surface for light that leaves under an angle of cosine `cos`.
     pub(super) fn albedo(&self, roughness: f32, cos: f32) -> Rgb {
-        self.sum(|layer| FACETS.at(layer, roughness, cos))
+        self.sum(|table| table.albedo.at([roughness, cos.max(0.0).sqrt()]))
     }
 
     /// Its average over the hemisphere.
     pub(super) fn average(&self, roughness: f32) -> Rgb {
-        self.sum(|layer| FACETS.average(layer, roughness))
+        self.sum(|table| table.average.at([roughness]))
     }
 
-    fn sum(&self, of: impl Fn(usize) -> f32) -> Rgb {
-        self.f0 * of(0) + (self.f90 - self.f0) * of(1)
+    /// Albedos are linear in the reflectance.
+    fn sum(&self, of: impl Fn(&Rough) -> f32) -> Rgb {
+        self.f0 * of(&WHITE) + (self.f90 - self.f0) * of(&EDGE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_is_exact_where_the_function_is_linear_along_each_axis() {
+        let f = |[x, y, z]: [f32; 3]| 1.0 + x - 2.0 * y * z + 3.0 * x * y * z;
+        let grid = Grid::new([3, 2, 5], f);
+        for i in 0..1000 {
+            let x = [i % 10, i / 10 % 10, i / 100].map(|k| k as f32 / 9.0);
+            assert!((grid.at(x) - f(x)).abs() < 1e-5, "{x:?}");
+        }
+        assert_eq!(grid.at([-1.0, 0.0, 0.0]), 1.0);
+        assert_eq!(grid.at([2.0, 0.0, 0.0]), 2.0);
     }
 }

@@ -135,8 +135,8 @@ impl Lobe {
     /// Whether it looks different when the surface is turned.
     pub(super) fn is_anisotropic(&self) -> bool {
         match self {
-            Self::Reflection(lobe) => lobe.facets().is_some_and(Microfacets::is_anisotropic),
-            Self::Principled(lobe) => lobe.facets().is_some_and(Microfacets::is_anisotropic),
+            Self::Reflection(lobe) => lobe.facets().is_some_and(|f| f.brush().is_some()),
+            Self::Principled(lobe) => lobe.facets().is_some_and(|f| f.brush().is_some()),
             Self::Mix(mix) => mix.a.is_anisotropic() || mix.b.is_anisotropic(),
             Self::Diffuse(_) | Self::Dielectric(_) | Self::Thin(_) | Self::Plastic(_) => false,
         }

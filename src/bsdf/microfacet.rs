@@ -17,7 +17,10 @@ const SMOOTH: f32 = 1e-3;
 pub(super) struct Microfacets {
     stretch: Mat2,
     inverse: Mat2,
-    determinant: f32,
+    /// `alpha` along the brush and across.
+    widths: Vec2,
+    /// Along the greater width, where there is one.
+    brush: Option<Vec2>,
 }
 
 /// A reflection at facets that reflect all light.
@@ -51,44 +54,45 @@ impl Microfacets {
             return None;
         }
         let widths = Vec2::new(along, alpha).max(Vec2::splat(SMOOTH));
-        let stretch = Mat2::from_angle(roughness.rotation) * Mat2::from_diagonal(widths);
-        Some(Self {
-            stretch,
-            inverse: stretch.inverse(),
-            determinant: widths.x * widths.y,
-        })
+        Some(Self::stretched(widths, roughness.rotation))
     }
 
     /// The same in all directions, of width `alpha`.
     pub(super) fn isotropic(alpha: f32) -> Self {
+        Self::stretched(Vec2::splat(alpha), 0.0)
+    }
+
+    /// Of the greater width in the direction of `rotation`, and of the lesser across.
+    pub(super) fn stretched(widths: Vec2, rotation: f32) -> Self {
+        let stretch = Mat2::from_angle(rotation) * Mat2::from_diagonal(widths);
         Self {
-            stretch: Mat2::from_diagonal(Vec2::splat(alpha)),
-            inverse: Mat2::from_diagonal(Vec2::splat(1.0 / alpha)),
-            determinant: alpha * alpha,
+            stretch,
+            inverse: stretch.inverse(),
+            widths,
+            brush: (widths.x != widths.y).then(|| Vec2::from_angle(rotation)),
         }
     }
 
-    /// Whether it looks different when the surface is turned.
-    pub(super) fn is_anisotropic(&self) -> bool {
-        let square = self.stretch * self.stretch.transpose();
-        square.x_axis.y != 0.0 || square.x_axis.x != square.y_axis.y
+    /// `alpha` one way and across.
+    pub(super) fn widths(&self) -> Vec2 {
+        self.widths
     }
 
-    /// The width of the isotropic facets that look alike from `w`.
-    pub(super) fn alpha(&self, w: Vec3) -> f32 {
-        let flat = w.truncate();
-        let along = (self.stretch.transpose() * flat).length();
-        let length = flat.length();
-        // Seen from straight above all directions count.
-        let mean = self.determinant.sqrt();
-        if length > 1e-4 { along / length } else { mean }
+    /// Along the greater width; `None` where the surface looks the same when it is turned.
+    pub(super) fn brush(&self) -> Option<Vec2> {
+        self.brush
+    }
+
+    /// The roughness of isotropic facets with as much slope.
+    pub(super) fn roughness(&self) -> f32 {
+        (0.5 * self.widths.length_squared()).powf(0.25)
     }
 
     /// The distribution of normals: area of facets per area of surface and solid angle around `h`.
     fn d(&self, h: Vec3) -> f32 {
         let slope = self.inverse * h.truncate();
         let k = slope.length_squared() + h.z * h.z;
-        FRAC_1_PI / (self.determinant * k * k)
+        FRAC_1_PI / (self.widths.element_product() * k * k)
     }
 
     /// `|w.z| (1 + 2 lambda)` with Smith's lambda.

@@ -98,7 +98,7 @@ impl Principled {
                 step => 1.0 + LEAST_STEP.copysign(step),
             }),
         });
-        let average = cover.average(facets.map_or(0.0, |f| f.facets.alpha(Vec3::Z).sqrt()));
+        let average = cover.average(facets.map_or(0.0, |f| f.facets.roughness()));
         let mut this = Self {
             base_color,
             metallic: of.metallic,
@@ -183,7 +183,7 @@ impl Principled {
 
     /// What the dielectric leaves for the matt base.
     fn enters(&self, w: Vec3) -> Rgb {
-        let roughness = self.facets().map_or(0.0, |facets| facets.alpha(w).sqrt());
+        let roughness = self.facets().map_or(0.0, Microfacets::roughness);
         Rgb::ONE - self.cover.albedo(roughness, w.z)
     }
 

@@ -4,15 +4,17 @@
 use std::f32::consts::TAU;
 use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3};
+use glam::{Mat2, Vec3};
 
 use crate::color::Rgb;
-use crate::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 
-use super::albedo::Table;
+use super::albedo::{Grid, from_root, lattice};
 
 /// Fibres that stand up straighter than this would be seen at the very rim alone.
 const LEAST_ROUGHNESS: f32 = 0.15;
+
+/// Cosines below this count as this.
+const FLATTEST: f32 = 0.01;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheen {
@@ -29,14 +31,20 @@ impl Sheen {
         })
     }
 
-    /// `f cos`, drawn evenly: in proportion to the cosine.
+    /// `f cos`, smooth enough to be drawn in proportion to the cosine. The formula alone would give more light than it
+    /// gets at grazing angles.
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.color * white(wo, wi, self.roughness)
+        let excess = self.formula(wo.z).max(self.formula(wi.z)).max(1.0);
+        self.color * white(wo, wi, self.roughness) / excess
     }
 
-    /// The share of light from a direction that white fibres would reflect.
+    /// The share of light from a direction that white fibres reflect, at most.
     pub(super) fn albedo(&self, cos: f32) -> f32 {
-        FIBRES.at(0, self.roughness, cos)
+        self.formula(cos).min(1.0)
+    }
+
+    fn formula(&self, cos: f32) -> f32 {
+        FIBRES.at([self.roughness, cos.max(0.0).sqrt()])
     }
 
     /// What is left for the surface below of light that comes from or leaves to a direction.
@@ -45,17 +53,17 @@ impl Sheen {
     }
 }
 
-static FIBRES: LazyLock<Table> = LazyLock::new(|| {
-    Table::new(1, |roughness, cos| {
+/// What the formula gives in all, over roughness and the root of the cosine.
+static FIBRES: LazyLock<Grid<2>> = LazyLock::new(|| {
+    Grid::new([24, 40], |[roughness, root]| {
         const COUNT: usize = 1024;
-        let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-        let parts = (0..COUNT).map(|i| {
-            let u = (i as f32 + 0.5) / COUNT as f32;
-            let v = (i as f32 * 0.618_034).fract();
-            let wi = cosine_hemisphere(Vec2::new(u, v));
-            white(wo, wi, roughness.max(LEAST_ROUGHNESS)) / cosine_hemisphere_pdf(wi.z)
+        let (wo, roughness) = (from_root(root), roughness.max(LEAST_ROUGHNESS));
+        // Most of it is at grazing angles: cosines are drawn as squares.
+        let parts = lattice(COUNT).map(|u2| {
+            let wi = Mat2::from_angle(TAU * u2.x) * from_root(u2.y).truncate();
+            2.0 * TAU * u2.y * white(wo, wi.extend(u2.y * u2.y), roughness)
         });
-        vec![parts.sum::<f32>() / COUNT as f32]
+        parts.sum::<f32>() / COUNT as f32
     })
 });
 
@@ -67,7 +75,8 @@ fn white(wo: Vec3, wi: Vec3, roughness: f32) -> f32 {
     let sin = (1.0 - h.z * h.z).max(0.0).sqrt();
     let d = (2.0 + 1.0 / alpha) * sin.powf(1.0 / alpha) / TAU;
     let shadowed = 1.0 + lambda(wo.z, alpha) + lambda(wi.z, alpha);
-    d / (4.0 * shadowed * wo.z.max(1e-4))
+    // Towards grazing angles this grows without bound.
+    d * wi.z / (4.0 * shadowed * wo.z.max(FLATTEST) * wi.z.max(FLATTEST))
 }
 
 /// Masking, fitted by the authors for alpha 0 and 1 (equation 3 and table 1).
@@ -91,15 +100,28 @@ fn lambda(cos: f32, alpha: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use crate::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
+
     use super::*;
 
     #[test]
     fn fibres_never_reflect_more_than_they_get() {
-        for r in 0..=20 {
-            let sheen = Sheen::new(Rgb::ONE, r as f32 / 20.0).unwrap();
-            for c in 0..=100 {
-                let albedo = sheen.albedo(c as f32 / 100.0);
-                assert!((0.0..=1.0).contains(&albedo), "{r} {c}: {albedo}");
+        for r in 0..=10 {
+            let sheen = Sheen::new(Rgb::ONE, r as f32 / 10.0).unwrap();
+            for c in 0..=50 {
+                let wo = from_root(c as f32 / 50.0);
+                let parts = lattice(1 << 16).map(|u2| {
+                    let wi = cosine_hemisphere(u2);
+                    sheen.eval(wo, wi).x / cosine_hemisphere_pdf(wi.z)
+                });
+                let albedo = parts.sum::<f32>() / 65_536.0;
+                let most = sheen.albedo(wo.z);
+                assert!(albedo < most + 0.02, "{r} {c}: {albedo} of {most}");
+                // At angles that are not grazing it is the formula's.
+                assert!(
+                    wo.z < 0.2 || albedo > most - 0.04,
+                    "{r} {c}: {albedo} of {most}"
+                );
             }
         }
     }

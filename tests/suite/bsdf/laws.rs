@@ -4,7 +4,7 @@ use glam::Vec3;
 use solidtrace::color::Rgb;
 use solidtrace::material::Surface;
 
-use super::{Case, ROUGHNESSES, bsdf, canonical, cases, direction};
+use super::{Case, bsdf, canonical, cases, direction};
 
 /// Directions on both sides, some of them grazing.
 fn directions() -> Vec<Vec3> {
@@ -111,33 +111,12 @@ fn no_surface_gives_more_light_than_it_gets_and_white_ones_give_all() {
         for wo in case.views() {
             let (albedo, error) = albedo(&case, wo, 20_000);
             // Five standard errors: for all these together the chance is below 0.001.
-            let most = 1.002 + 5.0 * error;
+            let most = 1.01 + 5.0 * error;
             let least = 1.0 - case.loss - 5.0 * error;
-            // A brushed surface's lost light is known to a few hundredths either way.
-            let most = if case.name.starts_with("brushed white") {
-                most + 0.03
-            } else {
-                most
-            };
             if albedo.max_element() > most || albedo.min_element() < least {
                 worst.push(format!("{case} towards {wo}: {albedo} ± {error}"));
             }
         }
     }
     assert!(worst.is_empty(), "{}", worst.join("\n"));
-}
-
-#[test]
-fn rough_glass_loses_only_what_its_facets_send_on() {
-    // Single scattering: nearly nothing at low roughness, a good part at the highest.
-    for r in ROUGHNESSES {
-        for case in cases()
-            .iter()
-            .filter(|c| c.name == "glass" && c.roughness == r)
-        {
-            let (albedo, _) = albedo(case, case.side * direction(30.0, 0.0), 20_000);
-            let least = if r < 0.3 { 0.985 } else { 0.7 };
-            assert!(albedo.min_element() > least, "{case}: {albedo}");
-        }
-    }
 }

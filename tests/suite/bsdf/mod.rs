@@ -19,6 +19,7 @@ pub const ROUGHNESSES: [f32; 5] = [0.1, 0.25, 0.45, 0.7, 1.0];
 pub const ANGLES: [f32; 5] = [0.0, 30.0, 60.0, 80.0, 88.0];
 
 /// A surface seen from one side.
+#[derive(Clone)]
 pub struct Case {
     pub name: &'static str,
     pub surface: Surface,
@@ -46,7 +47,7 @@ impl Case {
     }
 
     /// The directions from which it is looked at, all on its side.
-    pub fn views(&self) -> impl Iterator<Item = Vec3> {
+    pub fn views(&self) -> impl Iterator<Item = Vec3> + use<> {
         ANGLES
             .map(|degrees| self.side * direction(degrees, 40.0))
             .into_iter()
@@ -116,7 +117,7 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
     vec![
         ("gold", gold.clone(), 1.0),
         ("white gloss", glossy(white(), r.into()), 0.01),
-        ("brushed white gloss", glossy(white(), brushed), 0.03),
+        ("brushed white gloss", glossy(white(), brushed), 0.01),
         ("brushed gloss", glossy(color(0.9, 0.5, 0.1), brushed), 1.0),
         ("glass", glass.clone(), 1.0),
         ("plastic", plastic(color(0.7, 0.3, 0.1), r), 1.0),

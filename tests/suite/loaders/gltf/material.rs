@@ -1,58 +1,126 @@
 use serde_json::json;
 use solidtrace::color::Rgb;
-use solidtrace::material::{Fresnel, Surface};
+use solidtrace::material::{Material, Principled, Roughness, Surface};
 use solidtrace::texture::Texture;
 
 use super::{Files, data_uri, glb, read, triangle};
 
+fn principled(material: &Material) -> &Principled {
+    match &material.surface {
+        Surface::Principled(principled) => principled,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
-fn materials_become_the_nearest_of_ours() {
+fn factors_and_extensions_become_principled_surfaces() {
     let files = Files::new();
     let (mut document, binary) = triangle();
-    let metal = |roughness: f64| json!({"pbrMetallicRoughness": {"baseColorFactor": [0.75, 0.5, 0.25, 1], "roughnessFactor": roughness}});
     document["materials"] = json!([
         {"name": "bare"},
-        {"name": "paint", "pbrMetallicRoughness": {"baseColorFactor": [0.75, 0.5, 0.25, 1], "metallicFactor": 0}},
-        metal(0.1),
-        metal(0.5),
-        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.33}}},
-        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}},
+        {"pbrMetallicRoughness": {"baseColorFactor": [0.75, 0.5, 0.25, 1], "metallicFactor": 0, "roughnessFactor": 0.25}},
+        {"pbrMetallicRoughness": {"metallicFactor": 0.5}, "extensions": {
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.6, "anisotropyRotation": 1.5},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.125},
+            "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.75},
+            "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 1, 0]},
+            "KHR_materials_iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.8, "iridescenceThicknessMaximum": 250},
+        }},
+        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.25},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [1, 0.5, 0.25], "attenuationDistance": 2}}},
+        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}},
         {"emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 20}}},
         {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}},
     ]);
     let model = read(&files, &(document, binary));
-    let color = Texture::Constant(Rgb::new(0.75, 0.5, 0.25));
-    let fresnel = Fresnel::Exact;
-    let white = Surface::Diffuse {
-        color: Texture::Constant(Rgb::ONE),
+    let constant = |r, g, b| Texture::Constant(Rgb::new(r, g, b));
+    // What glTF says of a material that says nothing.
+    let bare = Principled {
+        metallic: 1.0,
+        thin: true,
+        ..Principled::new(constant(1.0, 1.0, 1.0), Texture::Constant)
     };
-    let surfaces: Vec<Surface> = model.materials.iter().map(|m| m.surface.clone()).collect();
+    let materials: Vec<&Principled> = model.materials.iter().map(principled).collect();
+    assert_eq!(materials[0], &bare);
+    let paint = Principled {
+        base_color: constant(0.75, 0.5, 0.25),
+        metallic: 0.0,
+        roughness: 0.25.into(),
+        ..bare.clone()
+    };
+    assert_eq!(materials[1], &paint);
+    let layered = Principled {
+        metallic: 0.5,
+        roughness: Roughness {
+            value: 1.0,
+            anisotropy: 0.6,
+            rotation: 1.5,
+        },
+        specular: 0.5,
+        specular_color: constant(2.0, 1.0, 0.0),
+        clearcoat: 0.5,
+        clearcoat_roughness: 0.125,
+        sheen_color: constant(0.5, 0.25, 1.0),
+        sheen_roughness: 0.75,
+        iridescence: 1.0,
+        iridescence_ior: 1.8,
+        iridescence_thickness: 250.0,
+        ..bare.clone()
+    };
+    assert_eq!(materials[2], &layered);
+    let body = materials[3];
+    assert_eq!((body.transmission, body.ior, body.thin), (1.0, 1.25, false));
+    // Beer: half of green is left after two metres.
+    let left = (-2.0 * body.absorption).exp();
+    assert!((left - Rgb::new(1.0, 0.5, 0.25)).length() < 1e-6, "{left}");
+    let sheet = materials[4];
     assert_eq!(
-        surfaces,
-        [
-            white.clone(),
-            Surface::Diffuse {
-                color: color.clone()
-            },
-            Surface::Mirror {
-                color: color.clone()
-            },
-            Surface::Diffuse { color },
-            Surface::Dielectric { ior: 1.33, fresnel },
-            Surface::Dielectric { ior: 1.5, fresnel },
-            white.clone(),
-            white,
-        ]
+        (sheet.transmission, sheet.thin, sheet.interior()),
+        (0.75, true, None)
     );
     assert_eq!(model.materials[0].name, "bare");
     assert_eq!(model.materials[2].name, "material 2");
-    assert_eq!(model.materials[6].emission, Rgb::new(20.0, 10.0, 0.0));
-    assert_eq!(model.materials[7].emission, Rgb::ZERO);
+    assert_eq!(model.materials[5].emission, Rgb::new(20.0, 10.0, 0.0));
+    assert_eq!(model.materials[6].emission, Rgb::ZERO);
     assert!(
-        model.warnings[0].contains("/materials/7"),
+        model.warnings[0].contains("/materials/6"),
         "{:?}",
         model.warnings
     );
+}
+
+#[test]
+fn material_factors_out_of_range_are_errors_or_clipped_and_unread_textures_are_warned_of() {
+    let files = Files::new();
+    let (mut document, binary) = triangle();
+    document["materials"] = json!([{"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 7, "clearcoatTexture": {"index": 0}}},
+        "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}}]);
+    let model = read(&files, &(document.clone(), binary.clone()));
+    let coated = principled(&model.materials[0]);
+    assert_eq!((coated.clearcoat, coated.metallic), (1.0, 0.0));
+    let places = ["/materials/0/pbrMetallicRoughness", "clearcoatTexture"];
+    for (warning, place) in model.warnings.iter().zip(places) {
+        assert!(warning.contains(place), "{warning}");
+    }
+    for (extension, place) in [
+        (
+            json!({"KHR_materials_ior": {"ior": 0.5}}),
+            "KHR_materials_ior",
+        ),
+        (
+            json!({"KHR_materials_volume": {"attenuationDistance": -1}}),
+            "KHR_materials_volume",
+        ),
+        (
+            json!({"KHR_materials_sheen": {"sheenColorFactor": [1, 1]}}),
+            "KHR_materials_sheen/sheenColorFactor",
+        ),
+    ] {
+        document["materials"] = json!([{"extensions": extension}]);
+        let error = files.error("a.glb", glb(&document, &binary));
+        let pointer = error.place().unwrap().pointer.clone().unwrap();
+        assert_eq!(pointer, format!("/materials/0/extensions/{place}"));
+    }
 }
 
 #[test]
@@ -81,10 +149,7 @@ fn base_colour_textures_come_from_files_data_and_views() {
     ] {
         document["images"] = json!([source]);
         let model = read(&files, &(document.clone(), binary.clone()));
-        let Surface::Diffuse {
-            color: Texture::Image { image, scale },
-        } = &model.materials[0].surface
-        else {
+        let Texture::Image { image, scale } = &principled(&model.materials[0]).base_color else {
             panic!("{:?}", model.materials[0]);
         };
         assert!(image.pixels[0].abs_diff_eq(Rgb::new(0.215_860_5, 1.0, 0.0), 1e-6));
@@ -112,8 +177,8 @@ fn base_colour_textures_come_from_files_data_and_views() {
 fn material_extensions_that_are_required_but_unknown_are_warned_of() {
     let files = Files::new();
     let (mut document, binary) = triangle();
-    document["extensionsRequired"] = json!(["KHR_materials_volume", "KHR_lights_punctual"]);
+    document["extensionsRequired"] = json!(["KHR_materials_dispersion", "KHR_lights_punctual"]);
     let warnings = read(&files, &(document, binary)).warnings;
     assert_eq!(warnings.len(), 1);
-    assert!(warnings[0].contains("`KHR_materials_volume`"));
+    assert!(warnings[0].contains("`KHR_materials_dispersion`"));
 }
