@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Solid};
 use solidtrace::integrator::{CameraRay, Integrator};
-use solidtrace::material::Surface;
+use solidtrace::material::{Fresnel, Metal, Principled, Surface};
 use solidtrace::sampling::{SamplerKind, uniform_sphere};
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
@@ -309,9 +309,8 @@ impl Integrator for BsdfOnly {
     }
 }
 
-#[test]
-fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
-    let mut scene = mixed();
+/// Checks that the path integrator renders the scene as [`BsdfOnly`] does.
+fn assert_agreement(mut scene: Scene) {
     scene.integrator = IntegratorSettings::Path {
         max_depth: Some(11),
         russian_roulette: true,
@@ -356,4 +355,51 @@ fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
     let mean = squares / count;
     println!("mean squared deviation {mean:.3} of {count} values");
     assert!(count > 150.0 && mean < 1.35, "{mean}");
+}
+
+#[test]
+fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
+    assert_agreement(mixed());
+}
+
+#[test]
+fn light_sampling_agrees_on_rough_and_layered_surfaces() {
+    let color = |r, g, b| Texture::Constant(Rgb::new(r, g, b));
+    let mut scene = mixed();
+    // In place of white, the lamp, glass and the mirror.
+    let metal = Metal::named("copper").unwrap();
+    let coated = Principled {
+        metallic: 0.3,
+        roughness: 0.5.into(),
+        clearcoat: 1.0,
+        sheen_color: color(0.3, 0.5, 0.3),
+        sheen_roughness: 0.5,
+        ..Principled::new(color(0.7, 0.3, 0.2), Texture::Constant)
+    };
+    let surfaces = [
+        Surface::Principled(Box::new(coated)),
+        Surface::Plastic {
+            color: color(0.3, 0.3, 0.3),
+            ior: 1.5,
+            roughness: 0.5,
+        },
+        Surface::Dielectric {
+            ior: 1.5,
+            fresnel: Fresnel::Exact,
+            roughness: 0.5,
+            absorption: Rgb::ZERO,
+        },
+        Surface::Mix {
+            a: Box::new(Surface::Conductor {
+                metal,
+                roughness: 0.4.into(),
+            }),
+            b: Box::new(diffuse(0.5)),
+            weight: 0.5,
+        },
+    ];
+    for (material, surface) in scene.materials.iter_mut().zip(surfaces) {
+        material.surface = surface;
+    }
+    assert_agreement(scene);
 }
