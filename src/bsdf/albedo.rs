@@ -187,12 +187,12 @@ impl Coat {
     }
 
     /// For light that leaves under an angle of cosine `cos`.
-    pub(super) fn albedo(&self, cos: f32) -> f32 {
+    pub(super) fn albedo(self, cos: f32) -> f32 {
         COATS.at([self.f0_root, self.roughness, cos.max(0.0).sqrt()])
     }
 
     /// Its average over the hemisphere.
-    pub(super) fn average(&self) -> f32 {
+    pub(super) fn average(self) -> f32 {
         COATS_AVERAGE.at([self.f0_root, self.roughness])
     }
 }

@@ -59,7 +59,7 @@ struct Through {
 
 impl Through {
     /// Whether this is the surface of a body seen from within it.
-    fn from_inside(&self) -> bool {
+    fn is_seen_from_within(&self) -> bool {
         self.eta.is_some_and(|eta| eta < 1.0)
     }
 }
@@ -125,7 +125,8 @@ impl Principled {
     }
 
     fn inside(&self) -> bool {
-        self.through.is_some_and(|through| through.from_inside())
+        self.through
+            .is_some_and(|through| through.is_seen_from_within())
     }
 
     pub(super) fn facets(&self) -> Option<&Microfacets> {

@@ -15,7 +15,7 @@ pub(super) struct Thin {
 }
 
 impl Thin {
-    pub(super) fn sample(&self, wo: Vec3, u: f32) -> BsdfSample {
+    pub(super) fn sample(self, wo: Vec3, u: f32) -> BsdfSample {
         // R + T² R + T² R³ + ... with T = 1 - R.
         let once = dielectric(Fresnel::Exact, wo.z, self.ior);
         let wi = if u < 2.0 * once / (1.0 + once) {

@@ -184,9 +184,8 @@ fn direct(
         return None;
     }
     let weight = power_heuristic(sample.pdf, pdf) / sample.divisor();
-    let mut media = path.media.clone();
-    media.follow(point, world.material(point), wi);
-    let left = media.transmittance(sample.p.distance(point.p));
+    let distance = sample.p.distance(point.p);
+    let left = (path.media).towards(point, world.material(point), wi, distance);
     let light = f_cos * sample.li * weight * left;
     (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))
 }

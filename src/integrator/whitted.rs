@@ -1,6 +1,5 @@
 use glam::{Vec2, Vec3};
 
-use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::{Light, LightSample};
 use crate::math::Ray;
@@ -47,7 +46,11 @@ impl WhittedIntegrator {
             let bsdf = world.bsdf(&point, &media);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {
-                light += beta * self.direct(world, &point, &bsdf, wo, camera, depth, traced);
+                let reflected = |wi, distance| {
+                    let left = media.towards(&point, world.material(&point), wi, distance);
+                    bsdf.eval(wo, wi).0 * left
+                };
+                light += beta * self.direct(world, &point, reflected, camera, depth, traced);
             }
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
             let sample = bsdf.sample(wo, pick, Vec2::new(u, v));
@@ -61,13 +64,13 @@ impl WhittedIntegrator {
         light + beta * self.background.unwrap_or(Rgb::ZERO)
     }
 
-    /// Direct light from every point light, and from one point of one of the others.
+    /// Direct light from every point light, and from one point of one of the others; `reflected` is what the surface
+    /// reflects of light from a direction and a distance.
     fn direct(
         &self,
         world: &World,
         point: &SurfacePoint,
-        bsdf: &Bsdf,
-        wo: Vec3,
+        reflected: impl Fn(Vec3, f64) -> Rgb,
         camera: &CameraRay,
         depth: u32,
         traced: &mut u64,
@@ -76,7 +79,7 @@ impl WhittedIntegrator {
             let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
                 return Rgb::ZERO;
             };
-            let (f_cos, _) = bsdf.eval(wo, wi);
+            let f_cos = reflected(wi, sample.p.distance(point.p));
             if f_cos == Rgb::ZERO {
                 return Rgb::ZERO;
             }

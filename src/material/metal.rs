@@ -30,6 +30,14 @@ const KNOWN: [(&str, [f32; 3], [f32; 3]); 10] = [
 const ALUMINIUM: [[f32; 3]; 2] = [[1.504, 0.991, 0.608], [7.666, 6.566, 5.360]];
 const CHROMIUM: [[f32; 3]; 2] = [[3.250, 3.129, 2.292], [3.286, 3.338, 3.119]];
 
+/// Gauss and Legendre's points and weights on 0..=1.
+const POINTS: [(f32, f32); 4] = [
+    (0.069_431_84, 0.173_927_42),
+    (0.330_009_5, 0.326_072_58),
+    (0.669_990_5, 0.326_072_58),
+    (0.930_568_16, 0.173_927_42),
+];
+
 impl Metal {
     /// The metal of refractive index `eta` and extinction `k`.
     pub fn new(eta: Rgb, k: Rgb) -> Self {
@@ -38,13 +46,7 @@ impl Metal {
             k,
             average: Rgb::ZERO,
         };
-        // Gauss and Legendre's points and weights on 0..=1, for the integral of 2 F cos.
-        const POINTS: [(f32, f32); 4] = [
-            (0.069_431_84, 0.173_927_42),
-            (0.330_009_48, 0.326_072_58),
-            (0.669_990_52, 0.326_072_58),
-            (0.930_568_16, 0.173_927_42),
-        ];
+        // The integral of 2 F cos.
         let parts = POINTS.map(|(cos, w)| 2.0 * w * cos * unknown.reflectance(cos));
         Self {
             average: parts.iter().sum(),
@@ -103,7 +105,7 @@ mod tests {
         let n2 = mul((eta, k), (eta, k));
         let z2: C = (n2.0 - (1.0 - cos * cos), n2.1);
         let r = abs2(z2).sqrt();
-        let z: C = (((r + z2.0) / 2.0).sqrt(), ((r - z2.0) / 2.0).sqrt());
+        let z: C = ((0.5 * (r + z2.0)).sqrt(), (0.5 * (r - z2.0)).sqrt());
         let s = abs2((cos - z.0, -z.1)) / abs2((cos + z.0, z.1));
         let n2cos = (n2.0 * cos, n2.1 * cos);
         let p = abs2((n2cos.0 - z.0, n2cos.1 - z.1)) / abs2((n2cos.0 + z.0, n2cos.1 + z.1));

@@ -72,6 +72,19 @@ impl Media {
         Rgb::from_array(absorption.to_array().map(left))
     }
 
+    /// What is left of light that reaches the surface along `wi` from `distance` away.
+    pub fn towards(
+        &self,
+        point: &SurfacePoint,
+        material: &Material,
+        wi: Vec3,
+        distance: f64,
+    ) -> Rgb {
+        let mut beyond = self.clone();
+        beyond.follow(point, material, wi);
+        beyond.transmittance(distance)
+    }
+
     /// The path leaves the surface along `wi`: where that crosses a clear one, it enters or leaves the object.
     pub fn follow(&mut self, point: &SurfacePoint, material: &Material, wi: Vec3) {
         let Some(interior) = material.surface.interior() else {

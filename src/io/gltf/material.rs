@@ -127,6 +127,7 @@ impl Reader<'_, '_> {
             "clearcoatRoughnessTexture",
             "clearcoatNormalTexture",
         ];
+        const FILM: [&str; 2] = ["iridescenceTexture", "iridescenceThicknessTexture"];
         if let Some(e) = self.extension(source, "clearcoat", &COAT)? {
             principled.clearcoat = share(&e, "clearcoatFactor", 0.0)?;
             principled.clearcoat_roughness = share(&e, "clearcoatRoughnessFactor", 0.0)?;
@@ -144,7 +145,6 @@ impl Reader<'_, '_> {
             principled.roughness.anisotropy = share(&e, "anisotropyStrength", 0.0)?;
             principled.roughness.rotation = e.number_or("anisotropyRotation", 0.0)? as f32;
         }
-        const FILM: [&str; 2] = ["iridescenceTexture", "iridescenceThicknessTexture"];
         if let Some(e) = self.extension(source, "iridescence", &FILM)? {
             principled.iridescence = share(&e, "iridescenceFactor", 0.0)?;
             principled.iridescence_ior = e.number_or("iridescenceIor", 1.3)?.max(1.0) as f32;
