@@ -122,9 +122,11 @@ impl Bsdf {
         if !reflected && !self.lobe.transmits() {
             return (Rgb::ZERO, 0.0);
         }
-        // The direction itself, and the one that is folded onto it.
+        // The direction itself, and the one that is folded onto it where the normal is bent.
+        let both = [wi, self.fold(wi)];
+        let count = if frame.z == self.ng { 1 } else { 2 };
         let mut sum = (Rgb::ZERO, 0.0);
-        for w in [wi, self.fold(wi)] {
+        for &w in &both[..count] {
             let local = self.side * frame.to_local(w);
             if (local.z > 0.0) == reflected {
                 let (f_cos, pdf) = self.lobe.eval(out, local);

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use solidtrace::color::Rgb;
-use solidtrace::material::{Fresnel, Metal, Roughness, Surface};
+use solidtrace::material::{Fresnel, Metal, Principled, Roughness, Surface};
 use solidtrace::texture::Texture;
 
 use super::{bsdf, direction};
@@ -166,4 +166,59 @@ fn a_window_reflects_and_passes_on_what_two_faces_do() {
     let slanted = direction(50.0, 70.0);
     let through = bsdf.sample(slanted, 0.99, glam::Vec2::ZERO).unwrap();
     assert!((through.wi + slanted).length() < 1e-6);
+}
+
+#[test]
+fn smooth_plastic_is_its_closed_form() {
+    // The matt base seen through a smooth boundary, with what that throws back down (Mitsuba's manual, "plastic"): its
+    // underside reflects 0.5964 of even light at an index of 1.5.
+    let inner = (0..100_000)
+        .map(|i| {
+            let cos = (f64::from(i) + 0.5) / 1e5;
+            2e-5 * cos * fresnel(cos, 1.0 / 1.5)
+        })
+        .sum::<f64>();
+    assert!((inner - 0.5964).abs() < 1e-3, "{inner}");
+    let color = 0.6;
+    let surface = Surface::Plastic {
+        color: Texture::Constant(Rgb::splat(color as f32)),
+        ior: 1.5,
+        roughness: 0.0,
+    };
+    for (wo, wi) in pairs() {
+        let (f_cos, _) = bsdf(&surface, Vec3::Z, 1.0).eval(wo, wi);
+        let (o, i) = (f64::from(wo.z), f64::from(wi.z));
+        let passes = |cos| 1.0 - fresnel(cos, 1.5);
+        let value = if i > 0.0 {
+            let base = color / (std::f64::consts::PI * (1.0 - color * inner));
+            passes(o) * passes(i) * base * i / 2.25
+        } else {
+            0.0
+        };
+        assert_close(f_cos.x, value, &format!("{wo} {wi}"));
+    }
+}
+
+#[test]
+fn a_principled_surface_reflects_as_gltf_says() {
+    // F D G2 / (4 cos) with Schlick's F: 0.04 times the specular colour and strength.
+    let mut black = Principled::new(Texture::Constant(Rgb::ZERO), Texture::Constant);
+    black.roughness = 0.5.into();
+    black.specular = 0.5;
+    black.specular_color = Texture::Constant(Rgb::new(1.0, 2.0, 30.0));
+    let surface = Surface::Principled(Box::new(black));
+    for (wo, wi) in pairs() {
+        let (f_cos, _) = bsdf(&surface, Vec3::Z, 1.0).eval(wo, wi);
+        let (o, i) = (wo.as_dvec3(), wi.as_dvec3());
+        let h = (o + i).normalize();
+        let facets = if i.z > 0.0 {
+            g(o, i, 0.25) * d(h, 0.25) / (4.0 * o.z)
+        } else {
+            0.0
+        };
+        for (channel, f0) in [(0, 0.02), (1, 0.04), (2, 0.5)] {
+            let schlick = f0 + (0.5 - f0) * (1.0 - o.dot(h)).powi(5);
+            assert_close(f_cos[channel], schlick * facets, &format!("{wo} {wi}"));
+        }
+    }
 }
