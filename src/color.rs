@@ -30,6 +30,30 @@ impl Tonemap {
     }
 }
 
+/// How a file's integers stand for numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colours: the curve of IEC 61966-2-1.
+    Srgb,
+    /// Data: in proportion.
+    Linear,
+}
+
+impl Encoding {
+    /// One channel in 0..=1 as the file has it, decoded.
+    pub fn decode(self, encoded: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb_to_linear(encoded),
+            Self::Linear => encoded,
+        }
+    }
+}
+
+/// Rec. 709 luminance; of a grey it is its value, to the bit.
+pub fn luminance(color: Rgb) -> f32 {
+    color.y + 0.2126 * (color.x - color.y) + 0.0722 * (color.z - color.y)
+}
+
 /// Decodes one sRGB channel in 0..=1 to linear light (IEC 61966-2-1).
 pub fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.04045 {

@@ -223,7 +223,12 @@ pub fn did_you_mean<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -
     let distance = |name: &str| strsim::osa_distance(&found.to_lowercase(), &name.to_lowercase());
     let nearest = (known.iter()).min_by_key(|name| distance(name));
     match nearest {
-        Some(name) if distance(name) <= (name.chars().count() / 3).max(1).min(name.len() - 1) => {
+        Some(name)
+            if distance(name)
+                <= (name.chars().count() / 3)
+                    .max(1)
+                    .min(name.len().saturating_sub(1)) =>
+        {
             format!("did you mean `{name}`?")
         }
         Some(_) if known.len() <= 24 => format!("known here: {}", known.join(", ")),

@@ -39,19 +39,19 @@ impl Lobe {
                 let reflectance = Reflectance::Constant(color.eval(point));
                 Self::Reflection(Reflection::new(reflectance, None))
             }
-            &Surface::Dielectric {
+            Surface::Dielectric {
                 fresnel, roughness, ..
             } => {
-                let facets = Microfacets::new(roughness.into());
-                Self::Dielectric(Dielectric::new(eta, fresnel, facets))
+                let facets = Microfacets::new(roughness.eval_share(point).into());
+                Self::Dielectric(Dielectric::new(eta, *fresnel, facets))
             }
             &Surface::ThinDielectric { ior } => Self::Thin(Thin { ior }),
-            &Surface::Conductor { metal, roughness } => {
-                let facets = Microfacets::new(roughness);
-                Self::Reflection(Reflection::new(Reflectance::Metal(metal), facets))
+            Surface::Conductor { metal, roughness } => {
+                let facets = Microfacets::new(roughness.at(point));
+                Self::Reflection(Reflection::new(Reflectance::Metal(*metal), facets))
             }
             Surface::Glossy { color, roughness } => {
-                let facets = Microfacets::new(*roughness);
+                let facets = Microfacets::new(roughness.at(point));
                 let reflectance = Reflectance::Schlick(color.eval(point));
                 Self::Reflection(Reflection::new(reflectance, facets))
             }
@@ -59,12 +59,15 @@ impl Lobe {
                 color,
                 ior,
                 roughness,
-            } => Self::Plastic(Plastic::new(color.eval(point), *ior, *roughness)),
+            } => {
+                let roughness = roughness.eval_share(point);
+                Self::Plastic(Plastic::new(color.eval(point), *ior, roughness))
+            }
             Surface::Principled(of) => Self::Principled(Box::new(Principled::new(of, point, eta))),
             Surface::Mix { a, b, weight } => Self::Mix(Box::new(Mix {
                 a: Self::new(a, point, side, eta),
                 b: Self::new(b, point, side, eta),
-                weight: *weight,
+                weight: weight.eval_share(point),
             })),
             Surface::TwoSided { front, back } => {
                 let surface = if side > 0.0 { front } else { back };

@@ -47,7 +47,7 @@ pub(super) struct Refracted {
 
 impl Microfacets {
     /// The facets of a surface, unless it is smooth.
-    pub(super) fn new(roughness: Roughness) -> Option<Self> {
+    pub(super) fn new(roughness: Roughness<f32>) -> Option<Self> {
         let alpha = roughness.value * roughness.value;
         let along = alpha + (1.0 - alpha) * roughness.anisotropy * roughness.anisotropy;
         if along < SMOOTH {

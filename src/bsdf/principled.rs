@@ -77,22 +77,30 @@ struct Shares {
 impl Principled {
     pub(super) fn new(of: &material::Principled, point: &TexturePoint, eta: f32) -> Self {
         let base_color = of.base_color.eval(point);
-        let facets = Microfacets::new(of.roughness).map(Whole::new);
+        let metallic = of.metallic.eval_share(point);
+        let specular = of.specular.eval_share(point);
+        let transmission = of.transmission.eval_share(point);
+        let coat_roughness = of.clearcoat_roughness.eval_share(point);
+        let facets = Microfacets::new(of.roughness.at(point)).map(Whole::new);
         let bounds_body = of.interior().is_some();
         let f0 = normal(if bounds_body { eta } else { of.ior }) * of.specular_color.eval(point);
         let dielectric = Schlick {
-            f0: f0.min(Rgb::ONE) * of.specular,
-            f90: Rgb::splat(of.specular),
+            f0: f0.min(Rgb::ONE) * specular,
+            f90: Rgb::splat(specular),
         };
         let metal = Schlick {
             f0: base_color,
             f90: Rgb::ONE,
         };
-        let film = Film::new(of.iridescence, of.iridescence_ior, of.iridescence_thickness);
+        let film = Film::new(
+            of.iridescence.eval_share(point),
+            of.iridescence_ior,
+            of.iridescence_thickness.eval_scalar(point).max(0.0),
+        );
         let cover = film.map_or(dielectric, |film| film.bound(&dielectric));
-        let body = (1.0 - of.metallic) * base_color;
-        let through = (of.transmission * body != Rgb::ZERO).then(|| Through {
-            color: of.transmission * body,
+        let body = (1.0 - metallic) * base_color;
+        let through = (transmission * body != Rgb::ZERO).then(|| Through {
+            color: transmission * body,
             eta: bounds_body.then(|| match eta - 1.0 {
                 step if facets.is_none() || step.abs() >= LEAST_STEP => eta,
                 step => 1.0 + LEAST_STEP.copysign(step),
@@ -101,21 +109,24 @@ impl Principled {
         let average = cover.average(facets.map_or(0.0, |f| f.facets.roughness()));
         let mut this = Self {
             base_color,
-            metallic: of.metallic,
+            metallic,
             metal,
             dielectric,
             film,
             cover,
             facets,
             further: facets.map_or(Rgb::ZERO, |f| {
-                of.metallic * f.further(metal.f0 + (Rgb::ONE - metal.f0) / 21.0)
+                metallic * f.further(metal.f0 + (Rgb::ONE - metal.f0) / 21.0)
             }),
-            matt: (1.0 - of.transmission) * body / (Rgb::ONE - average).max(Rgb::splat(1e-4)),
+            matt: (1.0 - transmission) * body / (Rgb::ONE - average).max(Rgb::splat(1e-4)),
             through,
-            coat: of.clearcoat,
-            coat_roughness: of.clearcoat_roughness,
-            coat_facets: Microfacets::new(of.clearcoat_roughness.into()),
-            sheen: Sheen::new(of.sheen_color.eval(point), of.sheen_roughness),
+            coat: of.clearcoat.eval_share(point),
+            coat_roughness,
+            coat_facets: Microfacets::new(coat_roughness.into()),
+            sheen: Sheen::new(
+                of.sheen_color.eval(point),
+                of.sheen_roughness.eval_share(point),
+            ),
         };
         if this.inside() {
             // The layers lie on the outside; what they take from light on its way out is in `lets_through`.

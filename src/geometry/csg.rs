@@ -198,6 +198,15 @@ impl Csg {
         (self.operands[leaf.operand as usize], transform)
     }
 
+    /// The meshes among its operands; some may be named more than once.
+    pub fn meshes(&self) -> Vec<MeshId> {
+        let mesh = |operand: &Operand| match operand {
+            Operand::Solid(_) => None,
+            Operand::Mesh(id) | Operand::OpenMesh(id) => Some(*id),
+        };
+        self.operands.iter().filter_map(mesh).collect()
+    }
+
     /// The instance's material slot for operand `index`'s own `slot`.
     pub fn slot(&self, index: u32, slot: u32) -> u32 {
         let leaf = &self.leaves[index as usize];

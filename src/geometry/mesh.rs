@@ -1,4 +1,4 @@
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::error::{Error, Result};
 use crate::math::Bounds;
@@ -60,6 +60,33 @@ impl Mesh {
     /// The corners of triangle `i`.
     pub fn corners(&self, i: u32) -> [Vec3; 3] {
         self.triangles[i as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The surface coordinates at the corners of triangle `i`; those of a mesh without are the barycentric ones.
+    pub fn uv_corners(&self, i: u32) -> [Vec2; 3] {
+        if self.uvs.is_empty() {
+            return [Vec2::ZERO, Vec2::X, Vec2::Y];
+        }
+        self.triangles[i as usize].map(|v| self.uvs[v as usize])
+    }
+
+    /// The gradients of u and v along triangle `i`; zero where it has no area.
+    pub fn uv_gradients(&self, i: u32) -> [DVec3; 2] {
+        let [a, b, c] = self.corners(i).map(Vec3::as_dvec3);
+        let [ta, tb, tc] = self.uv_corners(i).map(Vec2::as_dvec2);
+        let (ab, ac) = (b - a, c - a);
+        let cross = ab.cross(ac);
+        let square = cross.length_squared();
+        if square == 0.0 {
+            return [DVec3::ZERO; 2];
+        }
+        // Of the weights of the second and the third corner.
+        let (second, third) = (ac.cross(cross) / square, cross.cross(ab) / square);
+        let (d_second, d_third) = (tb - ta, tc - ta);
+        [
+            d_second.x * second + d_third.x * third,
+            d_second.y * second + d_third.y * third,
+        ]
     }
 
     /// The material slot of triangle `i`.

@@ -5,6 +5,7 @@ mod csg;
 mod mesh;
 mod polygon;
 pub mod solid;
+mod tangents;
 
 pub use closed::{EdgeFault, OpenEdge, Openness};
 pub use csg::{Csg, CsgId, CsgOp, Operand};
@@ -12,6 +13,7 @@ pub(crate) use csg::{CsgStep, LinearMap};
 pub use mesh::Mesh;
 pub use polygon::triangulate;
 pub use solid::Solid;
+pub use tangents::{Tangents, uv_axes};
 
 /// Index into the scene's list of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

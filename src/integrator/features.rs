@@ -61,7 +61,8 @@ impl FeatureIntegrator {
             Self::Normals => 0.5 * facing(point.ns) + 0.5,
             Self::Depth => Rgb::splat(t as f32),
             Self::Flat => {
-                world.bsdf(point, &Media::default()).albedo() + world.material(point).emission
+                let emitted = world.material(point).emitted(&point.texture);
+                world.bsdf(point, &Media::default()).albedo() + emitted
             }
             Self::Ao { radius } => {
                 *traced += 1;

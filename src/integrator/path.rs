@@ -155,7 +155,7 @@ impl PathIntegrator {
 
 /// What the surface sends back along the path by itself, weighted against light sampling.
 fn emitted(world: &World, path: &Path, hit: &Hit, point: &SurfacePoint) -> Rgb {
-    let emission = world.material(point).emission;
+    let emission = world.material(point).emitted(&point.texture);
     if emission == Rgb::ZERO {
         return Rgb::ZERO;
     }

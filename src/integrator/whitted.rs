@@ -42,7 +42,7 @@ impl WhittedIntegrator {
                 return light + beta * self.background.unwrap_or(world.scene().environment);
             };
             let point = world.surface(&ray, &hit);
-            light += beta * world.material(&point).emission;
+            light += beta * world.material(&point).emitted(&point.texture);
             let bsdf = world.bsdf(&point, &media);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {

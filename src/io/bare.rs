@@ -172,6 +172,7 @@ fn light(scene: &mut Scene, center: DVec3, radius: f64) {
             name: "studio lamp".to_owned(),
             surface: matt(0.0),
             emission: Rgb::splat(irradiance / share),
+            ..Material::default()
         };
         let solid = Solid::Sphere {
             radius: LAMP_RADIUS * radius,
@@ -187,7 +188,7 @@ fn lay_floor(scene: &mut Scene, point: DVec3) {
     let floor = Material {
         name: "studio floor".to_owned(),
         surface: matt(0.5),
-        emission: Rgb::ZERO,
+        ..Material::default()
     };
     add(
         scene,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::color::Rgb;
+use crate::color::{Encoding, Rgb};
 use crate::error::{Error, Place, Result};
 use crate::material::{Fresnel, Material, Principled, Surface};
 use crate::texture::{Bitmap, Texture};
@@ -137,7 +137,7 @@ impl Definition {
             (_, _, Some(ior)) if clear && ior > 1.0 => Surface::Dielectric {
                 ior,
                 fresnel: Fresnel::Exact,
-                roughness: self.roughness.unwrap_or(0.0).min(1.0),
+                roughness: self.roughness.unwrap_or(0.0).min(1.0).into(),
                 absorption: Rgb::ZERO,
             },
             _ => self.opaque(illum, self.albedo(textures)?),
@@ -153,6 +153,7 @@ impl Definition {
             name: self.name.clone(),
             surface,
             emission: self.emission.filter(|_| emits).unwrap_or_default(),
+            ..Material::default()
         })
     }
 
@@ -165,9 +166,9 @@ impl Definition {
         }
         let exponent = self.shininess.unwrap_or(0.0);
         let roughness = (self.roughness).unwrap_or((2.0 / (exponent + 2.0)).powf(0.25));
-        let defaults = Principled::new(color, Texture::Constant);
+        let defaults = Principled::new(color);
         Surface::Principled(Box::new(Principled {
-            metallic: self.metallic.unwrap_or(0.0).min(1.0),
+            metallic: self.metallic.unwrap_or(0.0).min(1.0).into(),
             roughness: roughness.min(1.0).into(),
             specular_color: Texture::Constant(highlight.map_or(Rgb::ONE, |ks| 2.0 * ks)),
             ..defaults
@@ -182,19 +183,16 @@ impl Definition {
         let image = if let Some(image) = textures.get(&map.file) {
             Arc::clone(image)
         } else {
-            let image = Arc::new(read_bitmap(&map.file).map_err(|e| {
+            let image = Arc::new(read_bitmap(&map.file, Encoding::Srgb).map_err(|e| {
                 let name = map.file.display();
                 Error::new(e.kind(), format!("the texture {name}: {}", e.message()))
                     .at(map.place.clone())
-                    .help("textures are PNG, JPEG, BMP, TGA or HDR files beside the MTL file")
+                    .help("textures are PNG, JPEG, BMP, TGA, HDR or EXR files beside the MTL file")
             })?);
             textures.insert(map.file.clone(), Arc::clone(&image));
             image
         };
-        Ok(Texture::Image {
-            image,
-            scale: color.unwrap_or(Rgb::ONE),
-        })
+        Ok(Texture::image(image, color.unwrap_or(Rgb::ONE)))
     }
 }
 

@@ -1,9 +1,10 @@
-use crate::color::Rgb;
-use crate::texture::Texture;
+use crate::color::{Encoding, Rgb};
+use crate::texture::{Texture, TexturePoint};
 
 use super::{Metal, Principled};
 
-/// How a surface scatters light. `C` is what a colour is: a texture, or what a file says of one.
+/// How a surface scatters light. `C` is what a colour, or a number that may vary, is: a texture, or what a file says of
+/// one. Of what is inside all numbers are the same everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface<C = Texture> {
     /// Lambert's; `color` is the albedo.
@@ -23,7 +24,7 @@ pub enum Surface<C = Texture> {
         /// How much is reflected.
         fresnel: Fresnel,
         /// How rough the boundary is, 0..=1.
-        roughness: f32,
+        roughness: C,
         /// What the inside absorbs, per metre and channel.
         absorption: Rgb,
     },
@@ -37,14 +38,14 @@ pub enum Surface<C = Texture> {
         /// Which.
         metal: Metal,
         /// How rough it is.
-        roughness: Roughness,
+        roughness: Roughness<C>,
     },
     /// A rough reflector of the given colour.
     Glossy {
         /// Reflectance at normal incidence, 0..=1 per channel; 1 at grazing angles.
         color: C,
         /// How rough it is.
-        roughness: Roughness,
+        roughness: Roughness<C>,
     },
     /// A matt base under a clear coat.
     Plastic {
@@ -53,7 +54,7 @@ pub enum Surface<C = Texture> {
         /// Index of refraction of the coat against what is around it, 1..=3.
         ior: f32,
         /// How rough the coat is, 0..=1.
-        roughness: f32,
+        roughness: C,
     },
     /// As glTF defines it.
     Principled(Box<Principled<C>>),
@@ -64,7 +65,7 @@ pub enum Surface<C = Texture> {
         /// The other.
         b: Box<Self>,
         /// Share of the other, 0..=1.
-        weight: f32,
+        weight: C,
     },
     /// Another surface from each side.
     TwoSided {
@@ -88,23 +89,53 @@ pub enum Fresnel {
 }
 
 /// How rough a surface is, and whether more so one way than the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Roughness {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness<C = Texture> {
     /// As it is perceived, 0..=1: its square is the GGX distribution's width, alpha.
-    pub value: f32,
+    pub value: C,
     /// 0..=1: `alpha` along the tangent is `mix(alpha, 1, anisotropy²)`, as `KHR_materials_anisotropy` has it.
-    pub anisotropy: f32,
-    /// Angle from the surface's tangent, along which the first surface coordinate grows, counter-clockwise.
-    pub rotation: f32,
+    pub anisotropy: C,
+    /// Angle in radians from the surface's tangent, along which the first surface coordinate grows, counter-clockwise.
+    pub rotation: C,
 }
 
-impl From<f32> for Roughness {
+impl<C: From<f32>> From<f32> for Roughness<C> {
     /// The same in all directions.
     fn from(value: f32) -> Self {
         Self {
-            value,
-            ..Self::default()
+            value: value.into(),
+            anisotropy: 0.0.into(),
+            rotation: 0.0.into(),
         }
+    }
+}
+
+impl Roughness {
+    /// Its numbers at a point.
+    pub fn at(&self, point: &TexturePoint) -> Roughness<f32> {
+        Roughness {
+            value: self.value.eval_share(point),
+            anisotropy: self.anisotropy.eval_share(point),
+            rotation: self.rotation.eval_scalar(point),
+        }
+    }
+
+    /// Whether it may look different when the surface is turned.
+    pub(super) fn is_brushed(&self) -> bool {
+        !self.anisotropy.is(0.0)
+    }
+}
+
+impl<C> Roughness<C> {
+    pub(super) fn try_map<'a, D, E>(
+        &'a self,
+        make: &mut impl FnMut(&'a C, Encoding) -> Result<D, E>,
+    ) -> Result<Roughness<D>, E> {
+        Ok(Roughness {
+            value: make(&self.value, Encoding::Linear)?,
+            anisotropy: make(&self.anisotropy, Encoding::Linear)?,
+            rotation: make(&self.rotation, Encoding::Linear)?,
+        })
     }
 }
 
@@ -124,17 +155,19 @@ pub fn absorption(color: Rgb, distance: f64) -> Rgb {
     Rgb::from_array(depth.map(|c| (-f64::from(c).ln() / distance) as f32))
 }
 
-impl<C> Surface<C> {
+impl<C: From<f32>> Surface<C> {
     /// Smooth clear glass, or water, or diamond.
     pub fn glass(ior: f32) -> Self {
         Self::Dielectric {
             ior,
             fresnel: Fresnel::Exact,
-            roughness: 0.0,
+            roughness: 0.0.into(),
             absorption: Rgb::ZERO,
         }
     }
+}
 
+impl Surface {
     /// What is behind it, where light goes through. Of two surfaces the first one's counts.
     pub fn interior(&self) -> Option<Interior> {
         match self {
@@ -148,57 +181,80 @@ impl<C> Surface<C> {
         }
     }
 
-    /// The same surface with `color` made of each colour.
+    /// Whether it may look different when it is turned, so that it needs a tangent.
+    pub fn is_brushed(&self) -> bool {
+        match self {
+            Self::Conductor { roughness, .. } | Self::Glossy { roughness, .. } => {
+                roughness.is_brushed()
+            }
+            Self::Principled(principled) => principled.roughness.is_brushed(),
+            Self::Mix { a, b, .. } => a.is_brushed() || b.is_brushed(),
+            Self::TwoSided { front, back } => front.is_brushed() || back.is_brushed(),
+            Self::Diffuse { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Plastic { .. } => false,
+        }
+    }
+}
+
+impl<C> Surface<C> {
+    /// The same surface with what `make` makes of each colour ([`Encoding::Srgb`]) and number ([`Encoding::Linear`]).
     ///
     /// # Errors
-    /// Those of `color`.
-    pub fn try_map<D, E>(
-        &self,
-        color: &mut impl FnMut(&C) -> Result<D, E>,
+    /// Those of `make`.
+    pub fn try_map<'a, D, E>(
+        &'a self,
+        make: &mut impl FnMut(&'a C, Encoding) -> Result<D, E>,
     ) -> Result<Surface<D>, E> {
         Ok(match self {
-            Self::Diffuse { color: c } => Surface::Diffuse { color: color(c)? },
-            Self::Mirror { color: c } => Surface::Mirror { color: color(c)? },
-            &Self::Dielectric {
+            Self::Diffuse { color } => Surface::Diffuse {
+                color: make(color, Encoding::Srgb)?,
+            },
+            Self::Mirror { color } => Surface::Mirror {
+                color: make(color, Encoding::Srgb)?,
+            },
+            Self::Dielectric {
                 ior,
                 fresnel,
                 roughness,
                 absorption,
             } => Surface::Dielectric {
-                ior,
-                fresnel,
-                roughness,
-                absorption,
+                ior: *ior,
+                fresnel: *fresnel,
+                roughness: make(roughness, Encoding::Linear)?,
+                absorption: *absorption,
             },
-            &Self::ThinDielectric { ior } => Surface::ThinDielectric { ior },
-            &Self::Conductor { metal, roughness } => Surface::Conductor { metal, roughness },
-            Self::Glossy {
-                color: c,
-                roughness,
-            } => Surface::Glossy {
-                color: color(c)?,
-                roughness: *roughness,
+            Self::ThinDielectric { ior } => Surface::ThinDielectric { ior: *ior },
+            Self::Conductor { metal, roughness } => Surface::Conductor {
+                metal: *metal,
+                roughness: roughness.try_map(make)?,
+            },
+            Self::Glossy { color, roughness } => Surface::Glossy {
+                color: make(color, Encoding::Srgb)?,
+                roughness: roughness.try_map(make)?,
             },
             Self::Plastic {
-                color: c,
+                color,
                 ior,
                 roughness,
             } => Surface::Plastic {
-                color: color(c)?,
+                color: make(color, Encoding::Srgb)?,
                 ior: *ior,
-                roughness: *roughness,
+                roughness: make(roughness, Encoding::Linear)?,
             },
             Self::Principled(principled) => {
-                Surface::Principled(Box::new(principled.try_map(color)?))
+                Surface::Principled(Box::new(principled.try_map(make)?))
             }
             Self::Mix { a, b, weight } => Surface::Mix {
-                a: Box::new(a.try_map(color)?),
-                b: Box::new(b.try_map(color)?),
-                weight: *weight,
+                a: Box::new(a.try_map(make)?),
+                b: Box::new(b.try_map(make)?),
+                weight: make(weight, Encoding::Linear)?,
             },
             Self::TwoSided { front, back } => Surface::TwoSided {
-                front: Box::new(front.try_map(color)?),
-                back: Box::new(back.try_map(color)?),
+                front: Box::new(front.try_map(make)?),
+                back: Box::new(back.try_map(make)?),
             },
         })
     }

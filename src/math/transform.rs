@@ -56,6 +56,15 @@ impl Transform {
         }
     }
 
+    /// The map back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self {
+            forward: self.inverse,
+            inverse: self.forward,
+        }
+    }
+
     /// The forward matrix.
     pub fn matrix(&self) -> &DAffine3 {
         &self.forward
@@ -100,9 +109,14 @@ impl Transform {
         }
     }
 
-    /// Maps a surface normal (by the transposed inverse); unit length out, same side of the surface.
+    /// Maps the gradient of a function of space to that of the function moved along.
+    pub fn gradient(&self, g: DVec3) -> DVec3 {
+        self.inverse.matrix3.transpose() * g
+    }
+
+    /// Maps a surface normal, as a gradient; unit length out, same side of the surface.
     pub fn normal(&self, n: DVec3) -> DVec3 {
-        (self.inverse.matrix3.transpose() * n).normalize()
+        self.gradient(n).normalize()
     }
 
     /// The box around the image of `bounds`; all of space stays so.

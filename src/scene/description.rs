@@ -4,12 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::camera::Camera;
-use crate::color::Rgb;
+use crate::color::{Encoding, Rgb};
 use crate::error::Place;
 use crate::geometry::{CsgOp, Solid};
 use crate::light::PointLight;
 use crate::material::Surface;
 use crate::math::Transform;
+use crate::texture::{Pattern, Ramp, Sampling};
 
 use super::{FilmSettings, IntegratorSettings, Repeat};
 
@@ -28,6 +29,8 @@ pub struct SceneDescription {
     pub environment: Rgb,
     /// Lights without extent.
     pub lights: Vec<PointLight>,
+    /// The textures that materials and textures further down name; no two of one name.
+    pub textures: Vec<(String, TextureDescription)>,
     /// The materials that objects name; no two of one name.
     pub materials: Vec<MaterialDescription>,
     /// What stands in the world.
@@ -99,30 +102,94 @@ pub struct MaterialDescription {
     pub surface: SurfaceDescription,
     /// Radiance that it emits, W/(m² sr) per channel.
     pub emission: Rgb,
+    /// Multiplies the emission.
+    pub emission_texture: Option<TextureDescription>,
+    /// What bends its shading normal.
+    pub relief: Option<ReliefDescription>,
 }
 
-/// How a surface scatters light, its colours as written.
-pub type SurfaceDescription = Surface<ColorDescription>;
-
-/// A colour that may vary over a surface; see [`crate::texture::Texture`].
+/// Detail in shading; see [`crate::material::Relief`].
 #[derive(Clone, Debug, PartialEq)]
-pub enum ColorDescription {
+pub enum ReliefDescription {
+    /// Raises the surface.
+    Bump {
+        /// How far, in parts of the height.
+        texture: TextureDescription,
+        /// In the object's units.
+        height: f64,
+    },
+    /// Normals in tangent space.
+    NormalMap {
+        /// The normals.
+        texture: TextureDescription,
+        /// Multiplies their slope.
+        scale: f64,
+    },
+}
+
+/// How a surface scatters light, its textures as written.
+pub type SurfaceDescription = Surface<TextureDescription>;
+
+/// A colour or number that may vary over a surface; see [`crate::texture::Texture`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum TextureDescription {
     /// The same everywhere.
     Constant(Rgb),
-    /// Alternating cubes.
-    Checker {
-        /// Colour of the cube at the origin's positive corner.
-        a: Rgb,
-        /// The other colour.
-        b: Rgb,
-        /// Edge length, above 0.
-        step: f64,
+    /// A pattern in colours.
+    Pattern {
+        /// A number for every point.
+        pattern: Pattern,
+        /// A colour for every number.
+        colors: Ramp,
     },
     /// A picture file.
     Image {
         /// The file.
         file: Reference,
+        /// How its integers are decoded; `None` is as sRGB for a colour, in proportion for all else.
+        encoding: Option<Encoding>,
+        /// How it is looked up.
+        sampling: Sampling,
     },
+    /// One of the scene's textures.
+    Named(Reference),
+    /// A texture times a colour.
+    Scale {
+        /// The texture.
+        of: Box<TextureDescription>,
+        /// Multiplies each channel.
+        by: Rgb,
+    },
+    /// One channel of a texture as a grey.
+    Channel {
+        /// The texture.
+        of: Box<TextureDescription>,
+        /// Which one: 1 where that is, else 0.
+        by: Rgb,
+    },
+    /// A texture moved as an object is.
+    Transform {
+        /// The texture.
+        of: Box<TextureDescription>,
+        /// From the texture's space to the object's.
+        transform: Transform,
+    },
+    /// Two textures, mixed by a third.
+    Mix {
+        /// Where `by` is 0.
+        a: Box<TextureDescription>,
+        /// Where `by` is 1.
+        b: Box<TextureDescription>,
+        /// As a scalar.
+        by: Box<TextureDescription>,
+    },
+}
+
+impl From<f32> for TextureDescription {
+    /// The same grey everywhere.
+    fn from(value: f32) -> Self {
+        Self::Constant(Rgb::splat(value))
+    }
 }
 
 /// An object after all the objects that it is made of, in post-order: an operator follows its operands and takes

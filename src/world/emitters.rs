@@ -37,7 +37,14 @@ impl Emitters {
         lights: &mut Vec<Light>,
     ) -> Self {
         let instance = &scene.instances[index];
-        let emission = |slot: u32| scene.materials[instance.material(slot).0 as usize].emission;
+        let emission = |slot: u32| {
+            let material = &scene.materials[instance.material(slot).0 as usize];
+            match material.emission_texture {
+                None => material.emission,
+                // Samples of lights know nothing of textures.
+                Some(_) => Rgb::ZERO,
+            }
+        };
         let transform = &instance.world_from_object;
         match instance.shape {
             Shape::Solid(Solid::Sphere { radius }) if emission(0) != Rgb::ZERO => {

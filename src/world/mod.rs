@@ -2,6 +2,7 @@
 
 mod emitters;
 mod media;
+mod relief;
 mod surface;
 
 use glam::DVec3;
@@ -9,7 +10,7 @@ use glam::DVec3;
 use crate::accel::{Accel, CsgTree, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
 use crate::error::Result;
-use crate::geometry::CsgId;
+use crate::geometry::{CsgId, Tangents};
 use crate::light::{Light, LightSampler};
 use crate::material::Material;
 use crate::math::{Bounds, Ray};
@@ -30,6 +31,8 @@ pub struct World {
     emitters: Vec<Emitters>,
     /// The instances that light goes through.
     clear: Vec<Medium>,
+    /// Of the meshes on which a normal map or a brushed surface needs them.
+    tangents: Vec<Option<Tangents>>,
 }
 
 impl World {
@@ -52,6 +55,7 @@ impl World {
         let clear = (0..scene.instances.len()).filter_map(|i| Medium::of(&scene, i));
         Ok(Self {
             clear: clear.collect(),
+            tangents: relief::tangents(&scene),
             lights: LightSampler::new(lights),
             scene,
             accel,

@@ -25,7 +25,8 @@ pub struct SurfacePoint {
     pub side: f32,
     /// Shading normal, on the side of `ng`.
     pub ns: Vec3,
-    /// Along the surface, where its first coordinate grows; of any length.
+    /// Along the surface, where its first coordinate grows; of any length, and 0 where it has no such direction or
+    /// looks the same when it is turned.
     pub tangent: Vec3,
     /// What textures see.
     pub texture: TexturePoint,
@@ -46,10 +47,23 @@ impl World {
         };
         let outward = transform.normal(at.n);
         let ng = outward.as_vec3().normalize();
-        let ns = (at.shading)
-            .map(|n| transform.normal(n).as_vec3())
-            .filter(|n| n.is_finite())
-            .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n });
+        let id = instance.material(at.slot);
+        let material = &self.scene.materials[id.0 as usize];
+        let ns = match &material.relief {
+            None => (at.shading)
+                .map(|n| transform.normal(n).as_vec3())
+                .filter(|n| n.is_finite())
+                .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n }),
+            Some(relief) => {
+                let n = transform.normal(self.bent(relief, instance, hit, &at));
+                above_horizon(n.as_vec3(), ng)
+            }
+        };
+        let tangent = if material.surface.is_brushed() {
+            transform.vector(self.tangent(instance, hit, &at)).as_vec3()
+        } else {
+            Vec3::ZERO
+        };
         SurfacePoint {
             p: transform.point(at.p),
             instance: hit.instance,
@@ -57,13 +71,9 @@ impl World {
             ng,
             side: if hit.inside { -1.0 } else { 1.0 },
             ns,
-            tangent: transform.vector(at.tangent).as_vec3(),
-            texture: TexturePoint {
-                p: at.p,
-                n: at.n,
-                uv: at.uv,
-            },
-            material: instance.material(at.slot),
+            tangent,
+            texture: at.texture_point(),
+            material: id,
         }
     }
 
@@ -78,23 +88,13 @@ impl World {
             let [na, nb, nc] = corner.map(|i| mesh.normals[i as usize]);
             (u * na + v * nb + w * nc).as_dvec3()
         });
-        let (uv, tangent) = if mesh.uvs.is_empty() {
-            (weights, ab)
-        } else {
-            let [ta, tb, tc] = corner.map(|i| mesh.uvs[i as usize]);
-            let (along, across) = ((tb - ta).as_dvec2(), (tc - ta).as_dvec2());
-            // Where the first coordinate grows by 1 and the second by 0, times the area on the texture.
-            let tangent = across.y * ab - along.y * ac;
-            let area = along.perp_dot(across);
-            (u * ta + v * tb + w * tc, tangent * area.signum())
-        };
+        let [ta, tb, tc] = mesh.uv_corners(triangle);
         LocalPoint {
             p: a + f64::from(v) * ab + f64::from(w) * ac,
             // An operand keeps triangles without area.
             n: ab.cross(ac).normalize_or(DVec3::Z),
             shading,
-            tangent,
-            uv,
+            uv: u * ta + v * tb + w * tc,
             slot: mesh.slot(triangle),
         }
     }
@@ -112,7 +112,6 @@ impl World {
                     p,
                     n: self.csg(id).hole_normal(hit.primitive, p),
                     shading: None,
-                    tangent: DVec3::ZERO,
                     uv: Vec2::ZERO,
                     slot: 0,
                 }
@@ -134,7 +133,6 @@ impl World {
             p: transform.point(at.p),
             n: sign * transform.normal(at.n),
             shading: at.shading.map(|n| sign * transform.normal(n)),
-            tangent: transform.vector(at.tangent),
             uv: at.uv,
             slot: csg.slot(hit.primitive, at.slot),
         }
@@ -142,17 +140,38 @@ impl World {
 }
 
 /// A point on a surface in the object's space.
-struct LocalPoint {
-    p: DVec3,
+pub(super) struct LocalPoint {
+    pub(super) p: DVec3,
     /// Outward unit normal.
-    n: DVec3,
+    pub(super) n: DVec3,
     /// Interpolated normal, not of unit length.
-    shading: Option<DVec3>,
-    /// Where the first coordinate grows, of any length.
-    tangent: DVec3,
+    pub(super) shading: Option<DVec3>,
     uv: Vec2,
     /// Material slot.
     slot: u32,
+}
+
+impl LocalPoint {
+    pub(super) fn texture_point(&self) -> TexturePoint {
+        TexturePoint {
+            p: self.p,
+            n: self.n,
+            uv: self.uv,
+        }
+    }
+}
+
+/// A bent normal laid down on the surface where it points below; `ng` where it points nowhere.
+fn above_horizon(n: Vec3, ng: Vec3) -> Vec3 {
+    if !n.is_finite() {
+        return ng;
+    }
+    let height = n.dot(ng);
+    if height < 0.0 {
+        (n - height * ng).normalize_or(ng)
+    } else {
+        n
+    }
 }
 
 fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
@@ -161,7 +180,6 @@ fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
         p,
         n: solid.normal(p, face),
         shading: None,
-        tangent: solid.tangent(p, face),
         uv: solid.uv(p, face).as_vec2(),
         slot: 0,
     }

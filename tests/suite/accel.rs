@@ -11,6 +11,7 @@ use solidtrace::math::{Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
 use solidtrace::scene::{Scene, SceneDescription};
 
+use crate::support::brute::{cases, compare};
 use crate::support::meshes::{box_mesh, bumpy_sphere, torus_mesh};
 
 fn placed(shape: Shape, at: DAffine3) -> Placed {
@@ -451,5 +452,15 @@ fn hits_before_tmin_and_beyond_tmax_do_not_count() {
             );
             assert_eq!(accel.occluded(&ray), met, "{shape:?} {tmin}..{tmax}");
         }
+    }
+}
+
+#[test]
+fn hits_are_those_of_brute_force_over_all_triangles() {
+    for (name, mesh) in cases() {
+        let tally = compare(&mesh, 60_000, 3);
+        println!("{name}: {tally:?}");
+        assert_eq!(tally.wrong, 0, "{name}: {tally:?}");
+        assert!(tally.hits > tally.rays / 10 && tally.ties < tally.rays / 10_000);
     }
 }

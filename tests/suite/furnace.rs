@@ -5,7 +5,7 @@ use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Solid};
 use solidtrace::material::{Fresnel, Surface};
 use solidtrace::scene::{IntegratorSettings, Scene};
-use solidtrace::texture::Texture;
+use solidtrace::texture::{Pattern, Ramp, Texture};
 
 use crate::support::meshes::{box_mesh, sphere_mesh};
 use crate::support::{
@@ -50,10 +50,9 @@ fn materials() -> Vec<(&'static str, Surface)> {
         (
             "checker",
             Surface::Diffuse {
-                color: Texture::Checker {
-                    a: Rgb::ONE,
-                    b: Rgb::ONE,
-                    step: 0.3,
+                color: Texture::Pattern {
+                    pattern: Pattern::Checker { step: 0.3 },
+                    colors: Ramp::between(Rgb::ONE, Rgb::ONE),
                 },
             },
         ),

@@ -35,4 +35,5 @@ mod scenes;
 mod solids;
 mod support;
 mod surface;
+mod texture;
 mod watertight;

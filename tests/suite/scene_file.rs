@@ -6,9 +6,9 @@ use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
 use solidtrace::material::{Fresnel, Surface};
-use solidtrace::scene::description::{ColorDescription, ShapeDescription, SurfaceDescription};
+use solidtrace::scene::description::{ShapeDescription, SurfaceDescription, TextureDescription};
 use solidtrace::scene::{IntegratorSettings, Repeat, Scene, SceneDescription};
-use solidtrace::texture::Texture;
+use solidtrace::texture::{Pattern, Ramp, Texture};
 
 /// Every construct of the format once.
 pub const RON: &str = r#"#![enable(implicit_some)]
@@ -228,16 +228,15 @@ fn materials_are_as_written_and_shared_by_name() {
     };
     assert_eq!(d.materials[3].surface, thin);
     let silver = SurfaceDescription::Mirror {
-        color: ColorDescription::Constant(Vec3::ONE),
+        color: TextureDescription::Constant(Vec3::ONE),
     };
     assert_eq!(d.materials[5].surface, silver);
 
     let scene = loaded();
     let of = |instance: usize| &scene.materials[scene.instances[instance].material(0).0 as usize];
-    let tiles = Texture::Checker {
-        a: Vec3::ONE,
-        b: Vec3::splat(0.1),
-        step: 2.0,
+    let tiles = Texture::Pattern {
+        pattern: Pattern::Checker { step: 2.0 },
+        colors: Ramp::between(Vec3::ONE, Vec3::splat(0.1)),
     };
     assert_eq!(of(0).surface, Surface::Diffuse { color: tiles });
     assert_eq!(of(1).emission, Vec3::splat(15.0));

@@ -69,12 +69,6 @@ impl Cuboid {
     }
 }
 
-/// Where the first coordinate grows on a face.
-pub(super) fn tangent(face: u32) -> DVec3 {
-    let (axis, sign) = axis_and_sign(face);
-    sign * [DVec3::Y, DVec3::Z, DVec3::X][axis]
-}
-
 fn axis_and_sign(face: u32) -> (usize, f64) {
     (
         face as usize / 2,

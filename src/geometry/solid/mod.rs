@@ -212,14 +212,23 @@ impl Solid {
         dispatch!(self, shape => shape.uv(p, face))
     }
 
-    /// The direction in which the first surface coordinate grows at `p` on `face`, of any length.
-    pub fn tangent(&self, p: DVec3, face: u32) -> DVec3 {
-        match self {
-            Self::Plane => DVec3::X,
-            Self::Box { .. } => cuboid::tangent(face),
-            // Around the axis.
-            _ => DVec3::new(-p.y, p.x, 0.0),
-        }
+    /// The gradients of u and v along the surface at `p` on `face`, by central differences: a few digits less than f64
+    /// has. They grow without bound towards points around which u turns.
+    pub fn uv_gradients(&self, p: DVec3, face: u32) -> [DVec3; 2] {
+        let size = match self {
+            Self::Plane => 1.0,
+            _ => self.bounds().size().min_element(),
+        };
+        let step = 1e-6 * size;
+        let uv = |p: DVec3| self.uv(self.project(p, face), face);
+        let rate = |t: DVec3| {
+            let difference = uv(p + step * t) - uv(p - step * t);
+            // One turn ends where the next begins.
+            (difference - difference.round()) / (2.0 * step)
+        };
+        let (x, y) = self.normal(p, face).any_orthonormal_pair();
+        let (along_x, along_y) = (rate(x), rate(y));
+        [along_x.x * x + along_y.x * y, along_x.y * x + along_y.y * y]
     }
 
     /// Moves `p`, near the surface of `face`, onto it, to within a few ulps of the solid's size.

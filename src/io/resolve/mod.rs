@@ -4,22 +4,24 @@ mod checks;
 mod csg;
 mod files;
 mod objects;
+mod textures;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use crate::color::Encoding;
 use crate::error::{Error, Place, Result, did_you_mean};
 use crate::geometry::{Csg, CsgId, MeshId, Operand, Shape};
 use crate::material::{Material, MaterialId};
-use crate::scene::description::{ColorDescription, ObjectTree, Offset, Reference};
+use crate::scene::description::{MaterialDescription, ObjectTree, Offset, Reference};
 use crate::scene::{Instance, Scene, SceneDescription};
 use crate::texture::{Bitmap, Texture};
 
 use self::objects::Role;
 use super::bare::bare_scene;
-use super::{read_bitmap, read_model};
+use super::read_model;
 
 /// What a scene may hold, all copies counted, so that its memory stays within a few gigabytes: operands and
 /// operators count once, instances as many times as they are larger.
@@ -98,16 +100,16 @@ impl SceneDescription {
             models: HashMap::new(),
             meshes: HashMap::new(),
             operands: HashMap::new(),
+            texture_indices: (self.textures.iter().enumerate())
+                .map(|(i, (name, _))| (&**name, i))
+                .collect(),
+            textures: HashMap::new(),
             bitmaps: HashMap::new(),
             room: MOST,
         };
         loader.check()?;
         for (i, material) in self.materials.iter().enumerate() {
-            let resolved = Material {
-                name: material.name.clone(),
-                surface: (material.surface).try_map(&mut |color| loader.texture(color))?,
-                emission: material.emission,
-            };
+            let resolved = loader.resolve_material(material)?;
             loader.scene.materials.push(resolved);
             loader
                 .materials
@@ -117,6 +119,7 @@ impl SceneDescription {
             let instances = loader.instances(tree, Role::World)?;
             loader.scene.instances.extend(instances);
         }
+        loader.check_textures()?;
         loader.resolve_unused()?;
         Ok(loader.finish())
     }
@@ -140,12 +143,16 @@ struct Loader<'a> {
     meshes: HashMap<MeshId, (PathBuf, Option<String>)>,
     /// The meshes that are operands.
     operands: HashMap<MeshId, Operand>,
-    bitmaps: HashMap<PathBuf, Arc<Bitmap>>,
+    /// Where each name stands in the scene's list of textures.
+    texture_indices: HashMap<&'a str, usize>,
+    /// The named textures that were needed so far, as colours or as data.
+    textures: HashMap<(&'a str, Encoding), Texture>,
+    bitmaps: HashMap<(PathBuf, Encoding), Arc<Bitmap>>,
     /// What the scene may still grow by.
     room: usize,
 }
 
-impl Loader<'_> {
+impl<'a> Loader<'a> {
     fn place(&self, offset: Offset) -> Place {
         self.description.source.place(offset)
     }
@@ -186,25 +193,19 @@ impl Loader<'_> {
         })
     }
 
-    fn texture(&mut self, color: &ColorDescription) -> Result<Texture> {
-        Ok(match color {
-            ColorDescription::Constant(color) => Texture::Constant(*color),
-            ColorDescription::Checker { a, b, step } => Texture::Checker {
-                a: *a,
-                b: *b,
-                step: *step,
-            },
-            ColorDescription::Image { file } => {
-                let path = self.find(file)?;
-                if !self.bitmaps.contains_key(&path) {
-                    let bitmap = read_bitmap(&path).map_err(|e| e.at(self.place(file.offset)))?;
-                    self.bitmaps.insert(path.clone(), Arc::new(bitmap));
-                }
-                Texture::Image {
-                    image: self.bitmaps[&path].clone(),
-                    scale: glam::Vec3::ONE,
-                }
-            }
+    fn resolve_material(&mut self, material: &'a MaterialDescription) -> Result<Material> {
+        let emission_texture = material.emission_texture.as_ref();
+        Ok(Material {
+            name: material.name.clone(),
+            surface: (material.surface)
+                .try_map(&mut |texture, encoding| self.texture(texture, encoding))?,
+            emission: material.emission,
+            emission_texture: emission_texture
+                .map(|texture| self.texture(texture, Encoding::Srgb))
+                .transpose()?,
+            relief: (material.relief.as_ref())
+                .map(|relief| self.relief(relief))
+                .transpose()?,
         })
     }
 }

@@ -1,11 +1,15 @@
 //! Materials under their names.
 
+use std::f32::consts::TAU;
+
 use glam::Vec3;
 
 use crate::color::Rgb;
 use crate::error::did_you_mean;
 use crate::material::{self, Fresnel, Metal, Principled, Roughness, Surface};
-use crate::scene::description::{ColorDescription, MaterialDescription, SurfaceDescription};
+use crate::scene::description::{
+    MaterialDescription, ReliefDescription, SurfaceDescription, TextureDescription,
+};
 
 use super::fields::{Choice, Fields};
 use super::tree::{Fault, Node, Result, Value};
@@ -15,15 +19,10 @@ const MAX_NESTING: usize = 8;
 
 /// The material `name`; `all` are the scene's, which it may name as its parts.
 pub(super) fn material(node: &Node, name: &str, all: &Node) -> Result<MaterialDescription> {
-    let (surface, emission) = Reader { all, depth: 0 }.surface(node)?;
-    Ok(MaterialDescription {
-        name: name.to_owned(),
-        surface,
-        emission,
-    })
+    Reader { all, depth: 0 }.material(node, name)
 }
 
-/// Reads a surface with all that it is made of.
+/// Reads a material with all that it is made of.
 #[derive(Clone, Copy)]
 struct Reader<'n, 't> {
     all: &'n Node<'t>,
@@ -31,9 +30,31 @@ struct Reader<'n, 't> {
 }
 
 impl Reader<'_, '_> {
-    /// A surface, and what it emits.
-    fn surface(self, node: &Node) -> Result<(SurfaceDescription, Rgb)> {
-        const NAMES: [&str; 10] = [
+    fn material(self, node: &Node, name: &str) -> Result<MaterialDescription> {
+        let choice = Choice::of(node, "a material")?;
+        choice.record(|f| {
+            let surface = self.surface(&choice, f)?;
+            let emits = choice.name == "Emissive";
+            Ok(MaterialDescription {
+                name: name.to_owned(),
+                surface,
+                emission: if emits {
+                    f.required("radiance", Node::radiance)?
+                } else {
+                    Rgb::ZERO
+                },
+                emission_texture: if emits {
+                    f.optional("texture", Node::texture)?
+                } else {
+                    None
+                },
+                relief: relief(f)?,
+            })
+        })
+    }
+
+    fn surface(self, choice: &Choice, f: &mut Fields) -> Result<SurfaceDescription> {
+        const NAMES: [&str; 11] = [
             "Diffuse",
             "Mirror",
             "Dielectric",
@@ -44,74 +65,52 @@ impl Reader<'_, '_> {
             "Principled",
             "Mix",
             "TwoSided",
+            "Emissive",
         ];
-        let choice = Choice::of(node, "a material")?;
-        let surface = match choice.name {
-            "Diffuse" => choice.record(|f| {
-                let color = f.required("color", Node::color)?;
-                Ok(Surface::Diffuse { color })
-            }),
-            "Mirror" => choice.record(|f| {
-                let color = f.or("color", constant(Vec3::ONE), Node::color)?;
-                Ok(Surface::Mirror { color })
-            }),
-            "Dielectric" => choice.record(|f| {
-                Ok(Surface::Dielectric {
-                    ior: f.required("ior", |node| node.within(0.01, 100.0))? as f32,
-                    fresnel: f.or("fresnel", Fresnel::Exact, fresnel)?,
-                    roughness: f.or("roughness", 0.0, share)?,
-                    absorption: absorption(f)?,
-                })
-            }),
-            "ThinDielectric" => choice.record(|f| {
-                let ior = f.or("ior", 1.5, |node| node.within(1.0, 100.0))? as f32;
-                Ok(Surface::ThinDielectric { ior })
-            }),
-            "Conductor" => choice.record(|f| {
-                Ok(Surface::Conductor {
-                    metal: metal(&choice, f)?,
-                    roughness: roughness(f, 0.0)?,
-                })
-            }),
-            "Glossy" => choice.record(|f| {
-                Ok(Surface::Glossy {
-                    color: f.required("color", Node::color)?,
-                    roughness: roughness(f, 0.3)?,
-                })
-            }),
-            "Plastic" => choice.record(|f| {
-                Ok(Surface::Plastic {
-                    color: f.required("color", Node::color)?,
-                    ior: f.or("ior", 1.5, |node| node.within(1.0, 3.0))? as f32,
-                    roughness: f.or("roughness", 0.0, share)?,
-                })
-            }),
-            "Principled" => choice
-                .record(principled)
-                .map(|p| Surface::Principled(Box::new(p))),
-            "Mix" => choice.record(|f| {
-                Ok(Surface::Mix {
-                    a: f.required("a", |node| self.part(node))?,
-                    b: f.required("b", |node| self.part(node))?,
-                    weight: f.or("weight", 0.5, share)?,
-                })
-            }),
-            "TwoSided" => choice.record(|f| {
-                Ok(Surface::TwoSided {
-                    front: f.required("front", |node| self.part(node))?,
-                    back: f.required("back", |node| self.part(node))?,
-                })
-            }),
-            "Emissive" => {
-                return choice.record(|f| {
-                    let emission = f.required("radiance", Node::radiance)?;
-                    let color = f.or("color", constant(Vec3::ZERO), Node::color)?;
-                    Ok((Surface::Diffuse { color }, emission))
-                });
-            }
-            _ => Err(choice.unknown("a material", &[&NAMES[..], &["Emissive"]].concat())),
-        };
-        Ok((surface?, Rgb::ZERO))
+        Ok(match choice.name {
+            "Diffuse" => Surface::Diffuse {
+                color: f.required("color", Node::texture)?,
+            },
+            "Mirror" => Surface::Mirror {
+                color: f.or("color", 1.0.into(), Node::texture)?,
+            },
+            "Dielectric" => Surface::Dielectric {
+                ior: f.required("ior", |node| node.within(0.01, 100.0))? as f32,
+                fresnel: f.or("fresnel", Fresnel::Exact, fresnel)?,
+                roughness: f.or("roughness", 0.0.into(), Node::texture)?,
+                absorption: absorption(f)?,
+            },
+            "ThinDielectric" => Surface::ThinDielectric {
+                ior: f.or("ior", 1.5, |node| node.within(1.0, 100.0))? as f32,
+            },
+            "Conductor" => Surface::Conductor {
+                metal: metal(choice, f)?,
+                roughness: roughness(f, 0.0)?,
+            },
+            "Glossy" => Surface::Glossy {
+                color: f.required("color", Node::texture)?,
+                roughness: roughness(f, 0.3)?,
+            },
+            "Plastic" => Surface::Plastic {
+                color: f.required("color", Node::texture)?,
+                ior: f.or("ior", 1.5, |node| node.within(1.0, 3.0))? as f32,
+                roughness: f.or("roughness", 0.0.into(), Node::texture)?,
+            },
+            "Principled" => Surface::Principled(Box::new(principled(f)?)),
+            "Mix" => Surface::Mix {
+                a: f.required("a", |node| self.part(node))?,
+                b: f.required("b", |node| self.part(node))?,
+                weight: f.or("weight", 0.5.into(), Node::texture)?,
+            },
+            "TwoSided" => Surface::TwoSided {
+                front: f.required("front", |node| self.part(node))?,
+                back: f.required("back", |node| self.part(node))?,
+            },
+            "Emissive" => Surface::Diffuse {
+                color: f.or("color", 0.0.into(), Node::texture)?,
+            },
+            _ => return Err(choice.unknown("a material", &NAMES)),
+        })
     }
 
     /// A surface that is part of another: written out, or one of the scene's materials by its name.
@@ -124,14 +123,18 @@ impl Reader<'_, '_> {
             depth: self.depth + 1,
             ..self
         };
-        let (surface, emission) = match &node.value {
-            Value::String(name) => within.surface(self.named(name, node)?)?,
-            _ => within.surface(node)?,
+        let part = match &node.value {
+            Value::String(name) => within.material(self.named(name, node)?, name)?,
+            _ => within.material(node, "")?,
         };
-        if emission != Rgb::ZERO {
+        if part.emission != Rgb::ZERO {
             return Err(node.refuse("emits light, which a part of a material cannot"));
         }
-        Ok(Box::new(surface))
+        if part.relief.is_some() {
+            let fault = node.refuse("has a bump or normal map, which a part of a material cannot");
+            return Err(fault.help("the whole can have one"));
+        }
+        Ok(Box::new(part.surface))
     }
 
     fn named(&self, name: &str, at: &Node) -> Result<&Node<'_>> {
@@ -148,13 +151,30 @@ impl Reader<'_, '_> {
     }
 }
 
-fn constant(color: Rgb) -> ColorDescription {
-    ColorDescription::Constant(color)
-}
-
-/// A number in 0..=1.
-fn share(node: &Node) -> Result<f32> {
-    Ok(node.within(0.0, 1.0)? as f32)
+/// The field `bump` or `normal_map`, which every material may have.
+fn relief(f: &mut Fields) -> Result<Option<ReliefDescription>> {
+    let bump = f.optional("bump", |node| {
+        let mut f = Fields::of(node, "bump")?;
+        let relief = ReliefDescription::Bump {
+            texture: f.required("texture", Node::texture)?,
+            height: f.required("height", Node::coordinate)?,
+        };
+        f.finish()?;
+        Ok(relief)
+    })?;
+    let normal_map = f.optional("normal_map", |node| {
+        if bump.is_some() {
+            return Err(node.refuse("comes on top of a `bump`: a surface has one of the two"));
+        }
+        let mut f = Fields::of(node, "normal_map")?;
+        let relief = ReliefDescription::NormalMap {
+            texture: f.required("texture", Node::texture)?,
+            scale: f.or("scale", 1.0, Node::coordinate)?,
+        };
+        f.finish()?;
+        Ok(relief)
+    })?;
+    Ok(bump.or(normal_map))
 }
 
 fn fresnel(node: &Node) -> Result<Fresnel> {
@@ -192,13 +212,30 @@ fn metal(choice: &Choice, f: &mut Fields) -> Result<Metal> {
     }
 }
 
-fn roughness(f: &mut Fields, default: f32) -> Result<Roughness> {
+fn roughness(f: &mut Fields, default: f32) -> Result<Roughness<TextureDescription>> {
     Ok(Roughness {
-        value: f.or("roughness", default, share)?,
-        anisotropy: f.or("anisotropy", 0.0, share)?,
-        rotation: f.or("anisotropy_rotation", 0.0, |node| {
-            Ok(node.within(-3600.0, 3600.0)?.to_radians() as f32)
+        value: f.or("roughness", default.into(), Node::texture)?,
+        anisotropy: f.or("anisotropy", 0.0.into(), Node::texture)?,
+        rotation: f.or("anisotropy_rotation", 0.0.into(), |node| {
+            number(node, TAU, |node| {
+                Ok(node.within(-3600.0, 3600.0)?.to_radians())
+            })
         })?,
+    })
+}
+
+/// A number of its own range, or a texture whose 1 stands for `full`.
+fn number(
+    node: &Node,
+    full: f32,
+    read: impl FnOnce(&Node) -> Result<f64>,
+) -> Result<TextureDescription> {
+    if let Value::Number(_) = node.value {
+        return Ok((read(node)? as f32).into());
+    }
+    Ok(TextureDescription::Scale {
+        of: Box::new(node.texture()?),
+        by: Vec3::splat(full),
     })
 }
 
@@ -209,31 +246,37 @@ fn absorption(f: &mut Fields) -> Result<Rgb> {
     Ok(material::absorption(color, distance))
 }
 
-fn principled(f: &mut Fields) -> Result<Principled<ColorDescription>> {
-    let base = f.or("base_color", constant(Vec3::ONE), Node::color)?;
-    let default = Principled::new(base, constant);
+fn principled(f: &mut Fields) -> Result<Principled<TextureDescription>> {
+    let base = f.or("base_color", 1.0.into(), Node::texture)?;
+    let default = Principled::new(base);
     Ok(Principled {
-        metallic: f.or("metallic", default.metallic, share)?,
+        metallic: f.or("metallic", default.metallic, Node::texture)?,
         roughness: roughness(f, 0.5)?,
         ior: f.or("ior", default.ior, |node| {
             Ok(node.within(1.0, 100.0)? as f32)
         })?,
-        specular: f.or("specular", default.specular, share)?,
-        specular_color: f.or("specular_color", default.specular_color, Node::color)?,
-        transmission: f.or("transmission", default.transmission, share)?,
+        specular: f.or("specular", default.specular, Node::texture)?,
+        specular_color: f.or("specular_color", default.specular_color, Node::texture)?,
+        transmission: f.or("transmission", default.transmission, Node::texture)?,
         thin: f.or("thin", default.thin, Node::boolean)?,
         absorption: absorption(f)?,
-        clearcoat: f.or("clearcoat", default.clearcoat, share)?,
-        clearcoat_roughness: f.or("clearcoat_roughness", default.clearcoat_roughness, share)?,
-        sheen_color: f.or("sheen_color", default.sheen_color, Node::color)?,
-        sheen_roughness: f.or("sheen_roughness", default.sheen_roughness, share)?,
-        iridescence: f.or("iridescence", default.iridescence, share)?,
+        clearcoat: f.or("clearcoat", default.clearcoat, Node::texture)?,
+        clearcoat_roughness: f.or(
+            "clearcoat_roughness",
+            default.clearcoat_roughness,
+            Node::texture,
+        )?,
+        sheen_color: f.or("sheen_color", default.sheen_color, Node::texture)?,
+        sheen_roughness: f.or("sheen_roughness", default.sheen_roughness, Node::texture)?,
+        iridescence: f.or("iridescence", default.iridescence, Node::texture)?,
         iridescence_ior: f.or("iridescence_ior", default.iridescence_ior, |node| {
             Ok(node.within(1.0, 10.0)? as f32)
         })?,
-        iridescence_thickness: f.or("iridescence_thickness", 400.0, |node| {
-            node.within(0.0, 10_000.0)
-        })? as f32,
+        iridescence_thickness: f.or(
+            "iridescence_thickness",
+            default.iridescence_thickness,
+            |node| number(node, 1000.0, |node| node.within(0.0, 10_000.0)),
+        )?,
         base_color: default.base_color,
     })
 }

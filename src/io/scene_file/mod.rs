@@ -9,6 +9,7 @@ mod objects;
 mod operators;
 mod parser;
 mod strings;
+mod textures;
 mod transforms;
 mod tree;
 mod values;
@@ -120,6 +121,11 @@ fn scene(root: &Node) -> tree::Result<SceneDescription> {
     let lights = f.or("lights", Vec::new(), |node| {
         node.items()?.iter().map(view::light).collect()
     })?;
+    let textures = f.or("textures", Vec::new(), |node| {
+        named(node, |name, node| {
+            Ok((name.text.clone().into_owned(), node.texture()?))
+        })
+    })?;
     let materials = f.or("materials", Vec::new(), |all| {
         named(all, |name, node| materials::material(node, &name.text, all))
     })?;
@@ -138,6 +144,7 @@ fn scene(root: &Node) -> tree::Result<SceneDescription> {
         cameras,
         environment,
         lights,
+        textures,
         materials,
         objects,
         definitions,

@@ -1,11 +1,10 @@
 //! Reading single values from the tree: numbers in their ranges, points, colours, names.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::scene::description::{ColorDescription, Offset, Reference};
+use crate::scene::description::{Offset, Reference};
 
-use super::fields::Choice;
 use super::tree::{Fault, Node, Result, Value};
 
 /// Coordinates, lengths and factors stay within this and its inverse, so that products of a few of them, squared,
@@ -205,28 +204,5 @@ impl Node<'_> {
             })
         };
         Ok(self.three("`(r, g, b)`", channel)?.as_vec3())
-    }
-
-    /// A colour of a surface: the same everywhere, or a pattern.
-    pub(super) fn color(&self) -> Result<ColorDescription> {
-        if let Value::List(None, _) | Value::Number(_) = self.value {
-            return self.albedo().map(ColorDescription::Constant);
-        }
-        let choice = Choice::of(self, "a colour, `(r, g, b)` or a pattern")?;
-        match choice.name {
-            "Checker" => choice.record(|f| {
-                Ok(ColorDescription::Checker {
-                    a: f.or("a", Vec3::ONE, Self::albedo)?,
-                    b: f.or("b", Vec3::ZERO, Self::albedo)?,
-                    step: f.or("step", 1.0, Self::length)?,
-                })
-            }),
-            "Image" => choice.record(|f| {
-                Ok(ColorDescription::Image {
-                    file: f.required("file", Self::reference)?,
-                })
-            }),
-            _ => Err(choice.unknown("a colour", &["Checker", "Image"])),
-        }
     }
 }

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use solidtrace::color::Rgb;
+use solidtrace::color::{Encoding, Rgb};
 use solidtrace::io::{read_bitmap, read_model};
 use solidtrace::material::{Fresnel, Material, Principled, Surface};
 use solidtrace::texture::{Bitmap, Texture};
@@ -41,7 +41,7 @@ fn picture() -> Vec<u8> {
 fn image_of(surface: &Surface) -> (&Arc<Bitmap>, Rgb) {
     match surface {
         Surface::Diffuse {
-            color: Texture::Image { image, scale },
+            color: Texture::Image { image, scale, .. },
         } => (image, *scale),
         other => panic!("no texture: {other:?}"),
     }
@@ -182,18 +182,24 @@ fn sixteen_bit_and_gray_pictures_are_srgb_and_floats_are_linear() {
     let files = Files::new();
     let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(1, 1, vec![32_896_u16]).unwrap();
     deep.save(files.path("deep.png")).unwrap();
-    let pixel = read_bitmap(&files.path("deep.png")).unwrap().pixels[0];
+    let pixel = read_bitmap(&files.path("deep.png"), Encoding::Srgb)
+        .unwrap()
+        .pixels[0];
     assert!(pixel.abs_diff_eq(Rgb::splat(0.215_860_5), 1e-6), "{pixel}");
     let bright = image::Rgb32FImage::from_raw(1, 1, vec![4.0, 0.5, 0.25]).unwrap();
     bright.save(files.path("bright.hdr")).unwrap();
-    let pixel = read_bitmap(&files.path("bright.hdr")).unwrap().pixels[0];
+    let pixel = read_bitmap(&files.path("bright.hdr"), Encoding::Srgb)
+        .unwrap()
+        .pixels[0];
     assert!(pixel.abs_diff_eq(Rgb::new(4.0, 0.5, 0.25), 0.02), "{pixel}");
     image::RgbaImage::from_raw(1, 1, vec![255, 0, 0, 0])
         .unwrap()
         .save(files.path("clear.tga"))
         .unwrap();
     assert_eq!(
-        read_bitmap(&files.path("clear.tga")).unwrap().pixels,
+        read_bitmap(&files.path("clear.tga"), Encoding::Srgb)
+            .unwrap()
+            .pixels,
         [Rgb::X]
     );
 }
@@ -288,7 +294,7 @@ fn two_thousand_damaged_files_never_panic() {
     let picture = picture();
     for _ in 0..2000 {
         let path = files.write("t.png", mutate(&mut random, &picture));
-        if let Err(error) = read_bitmap(&path) {
+        if let Err(error) = read_bitmap(&path, Encoding::Srgb) {
             assert!(error.place().is_some(), "{error}");
         }
     }

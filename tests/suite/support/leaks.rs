@@ -40,6 +40,7 @@ pub fn cases() -> Vec<(String, Closed)> {
         (", 1e6 as large", 1e6, Vec3::ZERO),
         // Exact moves: the corners stay on the lattice of f32 there, or close the mesh all the same.
         (", moved by 1e6", 64.0, Vec3::new(1e6, -1e6, 5e5)),
+        (", moved by 1e7", 1024.0, Vec3::new(-1e7, 1e7, 5e6)),
     ];
     let mut all = Vec::new();
     for (name, mesh, inside) in &forms {
@@ -58,43 +59,74 @@ pub fn cases() -> Vec<(String, Closed)> {
 }
 
 /// Of `rays` rays from inside, some at random, most at vertices and at points of edges, how many meet
-/// nothing. Directions have lengths from 1e-12 to 1e10.
+/// nothing. Directions have lengths from 1e-12 to 1e10. Half of the rays are asked one by one and half together; of
+/// either half some share their origin and go to places that are close to one another.
 pub fn escaped(case: &Closed, rays: u64, seed: u64) -> u64 {
     const CHUNK: u64 = 1 << 15;
     let placed = Placed {
         shape: Shape::Mesh(MeshId(0)),
         world_from_object: Transform::IDENTITY,
     };
-    let mesh = &case.mesh;
-    let accel = Accel::build(std::slice::from_ref(mesh), &[], vec![placed]).unwrap();
-    let size = mesh.bounds().size().min_element();
+    let accel = Accel::build(std::slice::from_ref(&case.mesh), &[], vec![placed]).unwrap();
     (0..rays.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let mut rng = Pcg64Mcg::seed_from_u64(seed << 32 | chunk);
-            let count = CHUNK.min(rays - chunk * CHUNK);
-            let mut lost = 0;
-            for _ in 0..count {
-                let around = uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
-                let origin = case.inside + 0.01 * size * rng.random::<f64>() * around;
-                let triangle = rng.random_range(0..mesh.triangles.len() as u32);
-                let [a, b, _] = mesh.corners(triangle).map(Vec3::as_dvec3);
-                let direction = match rng.random_range(0..10) {
-                    0..5 => a - origin,
-                    5..8 => a.lerp(b, rng.random()) - origin,
-                    8 => uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3(),
-                    _ => {
-                        DVec3::AXES[rng.random_range(0..3)] * if rng.random() { 1.0 } else { -1.0 }
-                    }
-                };
-                let length = 10.0_f64.powf(rng.random_range(-12.0..10.0));
-                let ray = Ray::new(origin, direction.normalize() * length);
-                lost += u64::from(accel.intersect(&ray).is_none());
-                if rng.random_range(0..8) == 0 {
-                    lost += u64::from(!accel.occluded(&ray));
+            let count = CHUNK.min(rays - chunk * CHUNK) as usize;
+            let mut rays = Vec::with_capacity(count);
+            while rays.len() < count {
+                let alike = rng.random_range(0..4) == 0;
+                rays.extend(from_inside(case, alike, &mut rng));
+            }
+            rays.truncate(count);
+            let (one_by_one, together) = rays.split_at(count / 2);
+            let mut hits = vec![None; together.len()];
+            accel.intersect_batch(together, &mut hits);
+            let mut lost = hits.iter().filter(|hit| hit.is_none()).count();
+            let some = &together[..together.len() / 8];
+            let mut blocked = vec![false; some.len()];
+            accel.occluded_batch(some, &mut blocked);
+            lost += blocked.iter().filter(|blocked| !**blocked).count();
+            for (i, ray) in one_by_one.iter().enumerate() {
+                lost += usize::from(accel.intersect(ray).is_none());
+                if i % 8 == 0 {
+                    lost += usize::from(!accel.occluded(ray));
                 }
             }
-            lost
+            lost as u64
         })
         .sum()
+}
+
+/// 64 rays from inside; if they are alike, from one point to triangles that stand next to one another in the file.
+fn from_inside(case: &Closed, alike: bool, rng: &mut Pcg64Mcg) -> Vec<Ray> {
+    let mesh = &case.mesh;
+    let size = mesh.bounds().size().min_element();
+    let direction =
+        |rng: &mut Pcg64Mcg| uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
+    let count = mesh.triangles.len() as u32;
+    let (shared, start) = (direction(rng), rng.random_range(0..count));
+    (0..64)
+        .map(|_| {
+            let (around, triangle) = if alike {
+                (shared, (start + rng.random_range(0..12)) % count)
+            } else {
+                (
+                    rng.random::<f64>() * direction(rng),
+                    rng.random_range(0..count),
+                )
+            };
+            let origin = case.inside + 0.01 * size * around;
+            let [a, b, _] = mesh.corners(triangle).map(Vec3::as_dvec3);
+            let to = match rng.random_range(0..10) {
+                0..5 => a - origin,
+                5..8 => a.lerp(b, rng.random()) - origin,
+                _ if alike => b - origin,
+                8 => direction(rng),
+                _ => DVec3::AXES[rng.random_range(0..3)] * if rng.random() { 1.0 } else { -1.0 },
+            };
+            let length = 10.0_f64.powf(rng.random_range(-12.0..10.0));
+            Ray::new(origin, to.normalize() * length)
+        })
+        .collect()
 }

@@ -1,5 +1,6 @@
 //! Scenes made in code, and renders of them, for the tests.
 
+pub mod brute;
 #[cfg(feature = "embree")]
 pub mod comparison;
 pub mod leaks;
@@ -92,6 +93,7 @@ impl Build for Scene {
             name: format!("m{}", self.materials.len()),
             surface,
             emission: Rgb::splat(emission),
+            ..Material::default()
         });
         MaterialId(self.materials.len() as u32 - 1)
     }

@@ -5,6 +5,7 @@ mod damage;
 mod errors;
 mod geometry;
 mod material;
+mod normal_map;
 mod peer;
 mod scene;
 
