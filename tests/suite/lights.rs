@@ -369,24 +369,24 @@ fn light_sampling_agrees_on_rough_and_layered_surfaces() {
     // In place of white, the lamp, glass and the mirror.
     let metal = Metal::named("copper").unwrap();
     let coated = Principled {
-        metallic: 0.3,
+        metallic: 0.3.into(),
         roughness: 0.5.into(),
-        clearcoat: 1.0,
+        clearcoat: 1.0.into(),
         sheen_color: color(0.3, 0.5, 0.3),
-        sheen_roughness: 0.5,
-        ..Principled::new(color(0.7, 0.3, 0.2), Texture::Constant)
+        sheen_roughness: 0.5.into(),
+        ..Principled::new(color(0.7, 0.3, 0.2))
     };
     let surfaces = [
         Surface::Principled(Box::new(coated)),
         Surface::Plastic {
             color: color(0.3, 0.3, 0.3),
             ior: 1.5,
-            roughness: 0.5,
+            roughness: 0.5.into(),
         },
         Surface::Dielectric {
             ior: 1.5,
             fresnel: Fresnel::Exact,
-            roughness: 0.5,
+            roughness: 0.5.into(),
             absorption: Rgb::ZERO,
         },
         Surface::Mix {
@@ -395,7 +395,7 @@ fn light_sampling_agrees_on_rough_and_layered_surfaces() {
                 roughness: 0.4.into(),
             }),
             b: Box::new(diffuse(0.5)),
-            weight: 0.5,
+            weight: 0.5.into(),
         },
     ];
     for (material, surface) in scene.materials.iter_mut().zip(surfaces) {

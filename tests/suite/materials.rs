@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::Solid;
 use solidtrace::material::{Fresnel, Metal, Principled, Roughness, Surface, absorption};
-use solidtrace::scene::description::{ColorDescription, SurfaceDescription};
+use solidtrace::scene::description::{SurfaceDescription, TextureDescription};
 use solidtrace::scene::{IntegratorSettings, Scene, SceneDescription};
-use solidtrace::texture::Texture;
+use solidtrace::texture::{Pattern, Ramp, Texture};
 
 use crate::support::meshes::sphere_mesh;
 use crate::support::{Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot};
@@ -32,8 +32,8 @@ fn fails(materials: &str, parts: &[&str]) {
     }
 }
 
-fn grey(x: f32) -> ColorDescription {
-    ColorDescription::Constant(Rgb::splat(x))
+fn grey(x: f32) -> TextureDescription {
+    TextureDescription::Constant(Rgb::splat(x))
 }
 
 #[test]
@@ -49,9 +49,9 @@ fn surfaces_are_as_written() {
     let brushed = Surface::Conductor {
         metal: Metal::new(Rgb::new(1.0, 2.0, 3.0), Rgb::new(4.0, 5.0, 6.0)),
         roughness: Roughness {
-            value: 0.5,
-            anisotropy: 0.75,
-            rotation: std::f32::consts::FRAC_PI_2,
+            value: 0.5.into(),
+            anisotropy: 0.75.into(),
+            rotation: std::f32::consts::FRAC_PI_2.into(),
         },
     };
     let text = "\"a\": Conductor(eta: (1, 2, 3), k: (4, 5, 6), roughness: 0.5, anisotropy: 0.75, anisotropy_rotation: 90)";
@@ -59,7 +59,7 @@ fn surfaces_are_as_written() {
     let frosted = Surface::Dielectric {
         ior: 1.5,
         fresnel: Fresnel::Exact,
-        roughness: 0.5,
+        roughness: 0.5.into(),
         absorption: Rgb::new(0.0, 2_f32.ln() / 2.0, 4_f32.ln() / 2.0),
     };
     let text = "\"a\": Dielectric(ior: 1.5, roughness: 0.5, attenuation_color: (1, 0.5, 0.25), attenuation_distance: 2)";
@@ -76,7 +76,7 @@ fn surfaces_are_as_written() {
     let plastic = Surface::Plastic {
         color: grey(0.25),
         ior: 1.25,
-        roughness: 0.0,
+        roughness: 0.0.into(),
     };
     assert_eq!(
         read("\"a\": Plastic(color: (0.25, 0.25, 0.25), ior: 1.25)"),
@@ -85,7 +85,7 @@ fn surfaces_are_as_written() {
     let Surface::Principled(plain) = read("\"a\": Principled()") else {
         panic!("not principled");
     };
-    let default = Principled::new(grey(1.0), ColorDescription::Constant);
+    let default = Principled::new(grey(1.0));
     let half = Principled {
         roughness: 0.5.into(),
         ..default
@@ -100,27 +100,60 @@ fn surfaces_are_as_written() {
     };
     let expected = Principled {
         base_color: grey(0.5),
-        metallic: 0.125,
+        metallic: 0.125.into(),
         roughness: Roughness {
-            value: 0.25,
-            anisotropy: 0.5,
-            rotation: 0.0,
+            value: 0.25.into(),
+            anisotropy: 0.5.into(),
+            rotation: 0.0.into(),
         },
         ior: 2.0,
-        specular: 0.75,
+        specular: 0.75.into(),
         specular_color: grey(0.1),
-        transmission: 0.625,
+        transmission: 0.625.into(),
         thin: true,
         absorption: Rgb::splat(2_f32.ln()),
-        clearcoat: 0.3,
-        clearcoat_roughness: 0.4,
+        clearcoat: 0.3.into(),
+        clearcoat_roughness: 0.4.into(),
         sheen_color: grey(0.2),
-        sheen_roughness: 0.6,
-        iridescence: 0.7,
+        sheen_roughness: 0.6.into(),
+        iridescence: 0.7.into(),
         iridescence_ior: 1.75,
-        iridescence_thickness: 300.0,
+        iridescence_thickness: 300.0.into(),
     };
     assert_eq!(*full, expected);
+}
+
+#[test]
+fn numbers_are_textures_too() {
+    let checker = |a: f32, b: f32| TextureDescription::Pattern {
+        pattern: Pattern::Checker { step: 2.0 },
+        colors: Ramp::between(Rgb::splat(a), Rgb::splat(b)),
+    };
+    let scaled = |by: f32| TextureDescription::Scale {
+        of: Box::new(checker(1.0, 0.0)),
+        by: Rgb::splat(by),
+    };
+    let text = "\"a\": Principled(metallic: Checker(step: 2, a: 0.5, b: 0.25), roughness: Channel(of: Checker(step: 2), channel: Green), \
+        anisotropy_rotation: Checker(step: 2), iridescence_thickness: Checker(step: 2))";
+    let expected = Principled {
+        metallic: checker(0.5, 0.25),
+        roughness: Roughness {
+            value: TextureDescription::Channel {
+                of: Box::new(checker(1.0, 0.0)),
+                by: Rgb::Y,
+            },
+            anisotropy: 0.0.into(),
+            // A full turn, and a micrometre.
+            rotation: scaled(std::f32::consts::TAU),
+        },
+        iridescence_thickness: scaled(1000.0),
+        ..Principled::new(1.0.into())
+    };
+    assert_eq!(read(text), Surface::Principled(Box::new(expected)));
+    fails(
+        "\"a\": Mirror(color: Channel(of: 1, channel: «Grey))",
+        &["`Grey`", "did you mean `Green`?"],
+    );
 }
 
 #[test]
@@ -130,7 +163,7 @@ fn parts_are_written_out_or_named_wherever_they_stand() {
     let mix = Surface::Mix {
         a: mirror(),
         b: dull(),
-        weight: 0.25,
+        weight: 0.25.into(),
     };
     let sides = Surface::TwoSided {
         front: Box::new(mix.clone()),
@@ -212,6 +245,10 @@ fn what_is_wrong_with_a_surface_is_said_where_it_is() {
         &["emits light"],
     );
     fails(
+        "\"a\": TwoSided(front: Mirror(), back: «Mirror(bump: (texture: Noise(), height: 1)))",
+        &["bump", "the whole can have one"],
+    );
+    fails(
         "\"m\": Mirror(), \"a\": Mix(a: «\"a\", b: \"m\")",
         &["inside one another", "made of itself"],
     );
@@ -231,22 +268,22 @@ fn pixels(scene: Scene, spp: u32) -> Vec<Rgb> {
 fn white_balls_vanish_in_a_white_environment_rough_or_coated_or_brushed() {
     let white = || Texture::Constant(Rgb::ONE);
     let principled = |edit: fn(&mut Principled)| {
-        let mut principled = Principled::new(white(), Texture::Constant);
+        let mut principled = Principled::new(white());
         edit(&mut principled);
         Surface::Principled(Box::new(principled))
     };
-    let glossy = |value, anisotropy| Surface::Glossy {
+    let glossy = |value: f32, anisotropy: f32| Surface::Glossy {
         color: white(),
         roughness: Roughness {
-            value,
-            anisotropy,
-            rotation: 0.4,
+            value: value.into(),
+            anisotropy: anisotropy.into(),
+            rotation: 0.4.into(),
         },
     };
-    let plastic = |roughness| Surface::Plastic {
+    let plastic = |roughness: f32| Surface::Plastic {
         color: white(),
         ior: 1.5,
-        roughness,
+        roughness: roughness.into(),
     };
     let surfaces = [
         ("gloss", glossy(0.5, 0.0)),
@@ -257,7 +294,7 @@ fn white_balls_vanish_in_a_white_environment_rough_or_coated_or_brushed() {
         (
             "metal",
             principled(|p| {
-                p.metallic = 1.0;
+                p.metallic = 1.0.into();
                 p.roughness = 0.7.into();
             }),
         ),
@@ -265,7 +302,7 @@ fn white_balls_vanish_in_a_white_environment_rough_or_coated_or_brushed() {
         (
             "principled glass",
             principled(|p| {
-                p.transmission = 1.0;
+                p.transmission = 1.0.into();
                 p.roughness = 0.0.into();
             }),
         ),
@@ -300,7 +337,7 @@ fn absorbing(sigma: Rgb) -> Surface {
     Surface::Dielectric {
         ior: 1.0,
         fresnel: Fresnel::Exact,
-        roughness: 0.0,
+        roughness: 0.0.into(),
         absorption: sigma,
     }
 }
@@ -365,7 +402,7 @@ fn whitted_shows_what_a_smooth_coat_reflects() {
         Surface::Plastic {
             color: Texture::Constant(Vec3::splat(0.5)),
             ior: 1.5,
-            roughness: 0.0,
+            roughness: 0.0.into(),
         },
         0.0,
     );

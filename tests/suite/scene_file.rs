@@ -223,7 +223,7 @@ fn materials_are_as_written_and_shared_by_name() {
     let thin = SurfaceDescription::Dielectric {
         ior: 1.33,
         fresnel: Fresnel::None,
-        roughness: 0.0,
+        roughness: 0.0.into(),
         absorption: Rgb::ZERO,
     };
     assert_eq!(d.materials[3].surface, thin);

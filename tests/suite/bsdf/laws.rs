@@ -1,8 +1,11 @@
 //! What physics asks of every surface: reciprocity, no light won, and none lost where nothing absorbs.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use solidtrace::color::Rgb;
 use solidtrace::material::Surface;
+use solidtrace::texture::{Bitmap, PixelFilter, Sampling, Texture};
 
 use super::{Case, bsdf, canonical, cases, direction};
 
@@ -119,4 +122,38 @@ fn no_surface_gives_more_light_than_it_gets_and_white_ones_give_all() {
         }
     }
     assert!(worst.is_empty(), "{}", worst.join("\n"));
+}
+
+/// A picture that is `here` at the point, and otherwise far from it.
+fn varying(here: Rgb) -> Texture {
+    let image = Bitmap {
+        width: 2,
+        height: 1,
+        pixels: vec![here, (Rgb::ONE - here).abs()],
+    };
+    Texture::Image {
+        image: Arc::new(image),
+        scale: Rgb::ONE,
+        sampling: Sampling {
+            filter: PixelFilter::Nearest,
+            ..Sampling::default()
+        },
+    }
+}
+
+#[test]
+fn surfaces_of_textures_scatter_as_those_of_the_numbers_at_the_point() {
+    for case in cases() {
+        let textured = case.surface.try_map(&mut |texture, _| match texture {
+            Texture::Constant(here) => Ok(varying(*here)),
+            other => Err(format!("{other:?}")),
+        });
+        let textured = bsdf(&textured.unwrap(), Vec3::Z, case.side);
+        for wo in case.views() {
+            for wi in directions() {
+                let expected = case.bsdf().eval(wo, wi);
+                assert_eq!(textured.eval(wo, wi), expected, "{case}: from {wi} to {wo}");
+            }
+        }
+    }
 }

@@ -86,7 +86,7 @@ fn white() -> Texture {
 }
 
 fn principled(edit: impl FnOnce(&mut Principled)) -> Surface {
-    let mut principled = Principled::new(color(0.8, 0.5, 0.2), Texture::Constant);
+    let mut principled = Principled::new(color(0.8, 0.5, 0.2));
     edit(&mut principled);
     Surface::Principled(Box::new(principled))
 }
@@ -94,20 +94,20 @@ fn principled(edit: impl FnOnce(&mut Principled)) -> Surface {
 /// All kinds of surface of one roughness, and how much of light they may lose.
 fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
     let brushed = Roughness {
-        value: r,
-        anisotropy: 0.6,
-        rotation: 0.5,
+        value: r.into(),
+        anisotropy: 0.6.into(),
+        rotation: 0.5.into(),
     };
     let glass = Surface::Dielectric {
         ior: 1.5,
         fresnel: Fresnel::Exact,
-        roughness: r,
+        roughness: r.into(),
         absorption: Rgb::ZERO,
     };
-    let plastic = |color, roughness| Surface::Plastic {
+    let plastic = |color, roughness: f32| Surface::Plastic {
         color,
         ior: 1.5,
-        roughness,
+        roughness: roughness.into(),
     };
     let gold = Surface::Conductor {
         metal: Metal::named("gold").unwrap(),
@@ -117,8 +117,16 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
     vec![
         ("gold", gold.clone(), 1.0),
         ("white gloss", glossy(white(), r.into()), 0.01),
-        ("brushed white gloss", glossy(white(), brushed), 0.01),
-        ("brushed gloss", glossy(color(0.9, 0.5, 0.1), brushed), 1.0),
+        (
+            "brushed white gloss",
+            glossy(white(), brushed.clone()),
+            0.01,
+        ),
+        (
+            "brushed gloss",
+            glossy(color(0.9, 0.5, 0.1), brushed.clone()),
+            1.0,
+        ),
         ("glass", glass.clone(), 1.0),
         ("plastic", plastic(color(0.7, 0.3, 0.1), r), 1.0),
         ("white plastic", plastic(white(), r), 0.01),
@@ -143,24 +151,24 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
         (
             "principled metal under a smooth coat",
             principled(|p| {
-                p.metallic = 1.0;
+                p.metallic = 1.0.into();
                 p.roughness = brushed;
-                p.clearcoat = 1.0;
+                p.clearcoat = 1.0.into();
             }),
             1.0,
         ),
         (
             "principled, all at once",
             principled(|p| {
-                p.metallic = 0.3;
+                p.metallic = 0.3.into();
                 p.roughness = r.into();
                 p.specular_color = color(1.0, 2.0, 0.5);
-                p.transmission = 0.4;
-                p.clearcoat = 0.7;
-                p.clearcoat_roughness = 0.5 * r;
+                p.transmission = 0.4.into();
+                p.clearcoat = 0.7.into();
+                p.clearcoat_roughness = (0.5 * r).into();
                 p.sheen_color = color(0.2, 0.5, 0.9);
-                p.sheen_roughness = r;
-                p.iridescence = 0.8;
+                p.sheen_roughness = r.into();
+                p.iridescence = 0.8.into();
             }),
             1.0,
         ),
@@ -169,7 +177,7 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             principled(|p| {
                 p.base_color = white();
                 p.sheen_color = white();
-                p.sheen_roughness = r;
+                p.sheen_roughness = r.into();
             }),
             1.0,
         ),
@@ -178,8 +186,8 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             principled(|p| {
                 p.base_color = white();
                 p.roughness = r.into();
-                p.iridescence = 1.0;
-                p.iridescence_thickness = 500.0;
+                p.iridescence = 1.0.into();
+                p.iridescence_thickness = 500.0.into();
             }),
             1.0,
         ),
@@ -187,8 +195,8 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             "principled glass",
             principled(|p| {
                 p.roughness = r.into();
-                p.transmission = 1.0;
-                p.specular = 0.8;
+                p.transmission = 1.0.into();
+                p.specular = 0.8.into();
                 p.absorption = absorption(Rgb::splat(0.5), 1.0);
             }),
             1.0,
@@ -198,7 +206,7 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             principled(|p| {
                 p.base_color = white();
                 p.roughness = 0.0.into();
-                p.transmission = 1.0;
+                p.transmission = 1.0.into();
             }),
             1e-5,
         ),
@@ -206,7 +214,7 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             "principled sheet",
             principled(|p| {
                 p.roughness = r.into();
-                p.transmission = 0.9;
+                p.transmission = 0.9.into();
                 p.thin = true;
             }),
             1.0,
@@ -216,7 +224,7 @@ fn kinds(r: f32) -> Vec<(&'static str, Surface, f32)> {
             Surface::Mix {
                 a: Box::new(gold.clone()),
                 b: Box::new(plastic(color(0.2, 0.3, 0.8), 0.0)),
-                weight: 0.4,
+                weight: 0.4.into(),
             },
             1.0,
         ),

@@ -62,7 +62,7 @@ fn rough_glass_is_walters_formula() {
         let surface = Surface::Dielectric {
             ior: 1.5,
             fresnel: Fresnel::Exact,
-            roughness: r,
+            roughness: r.into(),
             absorption: Rgb::ZERO,
         };
         let mut through = 0;
@@ -127,9 +127,9 @@ fn brushed_facets_scatter_further_along_their_tangent() {
     let brushed = |rotation: f32| Surface::Glossy {
         color: Texture::Constant(Rgb::ONE),
         roughness: Roughness {
-            value: 0.3,
-            anisotropy: 0.7,
-            rotation,
+            value: 0.3.into(),
+            anisotropy: 0.7.into(),
+            rotation: rotation.into(),
         },
     };
     let value = |surface: &Surface, azimuth: f32| {
@@ -183,7 +183,7 @@ fn smooth_plastic_is_its_closed_form() {
     let surface = Surface::Plastic {
         color: Texture::Constant(Rgb::splat(color as f32)),
         ior: 1.5,
-        roughness: 0.0,
+        roughness: 0.0.into(),
     };
     for (wo, wi) in pairs() {
         let (f_cos, _) = bsdf(&surface, Vec3::Z, 1.0).eval(wo, wi);
@@ -202,9 +202,9 @@ fn smooth_plastic_is_its_closed_form() {
 #[test]
 fn a_principled_surface_reflects_as_gltf_says() {
     // F D G2 / (4 cos) with Schlick's F: 0.04 times the specular colour and strength.
-    let mut black = Principled::new(Texture::Constant(Rgb::ZERO), Texture::Constant);
+    let mut black = Principled::new(Texture::Constant(Rgb::ZERO));
     black.roughness = 0.5.into();
-    black.specular = 0.5;
+    black.specular = 0.5.into();
     black.specular_color = Texture::Constant(Rgb::new(1.0, 2.0, 30.0));
     let surface = Surface::Principled(Box::new(black));
     for (wo, wi) in pairs() {

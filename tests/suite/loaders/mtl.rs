@@ -97,11 +97,11 @@ fn highlights_roughness_and_metal_become_principled() {
     let expected = Principled {
         roughness: 0.0625_f32.powf(0.25).into(),
         specular_color: Texture::Constant(Rgb::splat(0.5)),
-        ..Principled::new(Texture::Constant(Rgb::splat(0.5)), Texture::Constant)
+        ..Principled::new(Texture::Constant(Rgb::splat(0.5)))
     };
     assert_eq!(gloss, expected);
     let metal = principled("Kd 1 0.5 0\nPm 1\nPr 0.3");
-    assert_eq!((metal.metallic, metal.roughness), (1.0, 0.3.into()));
+    assert_eq!((metal.metallic, metal.roughness), (1.0.into(), 0.3.into()));
     assert_eq!(metal.specular_color, Texture::Constant(Rgb::ONE));
     assert_eq!(principled("Kd 1\nPr 0.3\nKs 1\nNs 5").roughness, 0.3.into());
     // Without a highlight it stays matt.
@@ -113,7 +113,7 @@ fn highlights_roughness_and_metal_become_principled() {
     let frosted = Surface::Dielectric {
         ior: 1.5,
         fresnel: Fresnel::Exact,
-        roughness: 0.4,
+        roughness: 0.4.into(),
         absorption: Rgb::ZERO,
     };
     assert_eq!(surface("Ni 1.5\nillum 7\nPr 0.4"), frosted);

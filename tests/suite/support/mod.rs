@@ -71,7 +71,7 @@ pub fn dielectric(ior: f32, fresnel: Fresnel) -> Surface {
     Surface::Dielectric {
         ior,
         fresnel,
-        roughness: 0.0,
+        roughness: 0.0.into(),
         absorption: Rgb::ZERO,
     }
 }
