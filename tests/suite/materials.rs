@@ -152,7 +152,7 @@ fn numbers_are_textures_too() {
     assert_eq!(read(text), Surface::Principled(Box::new(expected)));
     fails(
         "\"a\": Mirror(color: Channel(of: 1, channel: «Grey))",
-        &["`Grey`", "did you mean `Green`?"],
+        &["`Grey` is not a channel", "Red, Green, Blue"],
     );
 }
 
