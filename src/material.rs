@@ -1,5 +1,13 @@
 //! What a surface is made of: a way to scatter, and light of its own.
 
+mod metal;
+mod principled;
+mod surface;
+
+pub use metal::Metal;
+pub use principled::Principled;
+pub use surface::{Fresnel, Interior, Roughness, Surface, absorption};
+
 use crate::color::Rgb;
 use crate::texture::{Texture, TexturePoint};
 
@@ -65,38 +73,4 @@ impl Default for Material {
             relief: None,
         }
     }
-}
-
-/// How a surface scatters light.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Surface {
-    /// Lambert's; `color` is the albedo.
-    Diffuse {
-        /// Albedo, 0..=1 per channel.
-        color: Texture,
-    },
-    /// Perfect reflection times `color`.
-    Mirror {
-        /// Reflectance, 0..=1 per channel.
-        color: Texture,
-    },
-    /// A smooth boundary between air and a clear medium.
-    Dielectric {
-        /// Index of refraction of the inside against the outside.
-        ior: f32,
-        /// How much is reflected.
-        fresnel: Fresnel,
-    },
-}
-
-/// Which reflectance a dielectric uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Fresnel {
-    /// All light is refracted; only total internal reflection reflects.
-    None,
-    /// Schlick's 1994 approximation.
-    Schlick,
-    /// Fresnel's equations for unpolarised light.
-    #[default]
-    Exact,
 }

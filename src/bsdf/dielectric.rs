@@ -1,55 +1,84 @@
-//! A smooth boundary between two clear media. `eta` is the index on the far side over the near side's.
+//! A boundary between two clear media, smooth or rough (Walter et al. 2007, with visible normals). `eta` is the index
+//! on the far side over the near side's. What a rough boundary's facets send on to one another is lost.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
+use crate::color::Rgb;
 use crate::material::Fresnel;
 
+use super::BsdfSample;
+use super::fresnel::{cos_refracted, dielectric};
+use super::microfacet::{Microfacets, refract};
 use super::mirror::reflect;
 
-/// One of the two directions that light takes at the boundary.
-pub(super) struct Scattered {
-    pub wi: Vec3,
-    pub transmitted: bool,
+/// Facets between media as close as this would bend light by less than f32 can tell.
+const LEAST_STEP: f32 = 0.01;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dielectric {
+    eta: f32,
+    fresnel: Fresnel,
+    facets: Option<Microfacets>,
 }
 
-/// Reflects with the probability of the reflectance, else refracts (`wo.z > 0`).
-pub(super) fn sample(wo: Vec3, eta: f32, fresnel: Fresnel, u: f32) -> Scattered {
-    let cos_t = cos_refracted(wo.z, eta);
-    match cos_t {
-        Some(cos_t) if u >= reflectance(wo.z, cos_t, eta, fresnel) => Scattered {
-            wi: Vec3::new(-wo.x / eta, -wo.y / eta, -cos_t).normalize(),
-            transmitted: true,
-        },
-        _ => Scattered {
-            wi: reflect(wo),
-            transmitted: false,
-        },
+impl Dielectric {
+    pub(super) fn new(eta: f32, fresnel: Fresnel, facets: Option<Microfacets>) -> Self {
+        Self {
+            eta,
+            fresnel,
+            facets: facets.filter(|_| (eta - 1.0).abs() >= LEAST_STEP),
+        }
     }
-}
 
-/// Cosine on the far side by Snell's law; `None` for total internal reflection.
-fn cos_refracted(cos_i: f32, eta: f32) -> Option<f32> {
-    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    (sin2_t < 1.0).then(|| (1.0 - sin2_t).sqrt())
-}
+    pub(super) fn is_smooth(&self) -> bool {
+        self.facets.is_some()
+    }
 
-fn reflectance(cos_i: f32, cos_t: f32, eta: f32, fresnel: Fresnel) -> f32 {
-    match fresnel {
-        // Between equal media there is no boundary; Schlick's formula has one.
-        _ if eta == 1.0 => 0.0,
-        Fresnel::None => 0.0,
-        Fresnel::Schlick => {
-            // Schlick 1994, equation 15; the angle is the one in the thinner medium.
-            let k0 = ((1.0 - eta) / (1.0 + eta)).powi(2);
-            let cos = if eta > 1.0 { cos_i } else { cos_t };
-            k0 + (1.0 - k0) * (1.0 - cos).powi(5)
+    /// Reflects at a facet with the probability of its reflectance, else refracts.
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        let h = match &self.facets {
+            Some(facets) => facets.visible_normal(wo, u2),
+            None => Vec3::Z,
+        };
+        let cos = wo.dot(h);
+        let transmitted = u >= dielectric(self.fresnel, cos, self.eta);
+        let wi = if transmitted {
+            refract(wo, h, self.eta, cos_refracted(cos, self.eta)?)
+        } else if self.facets.is_some() {
+            (2.0 * cos * h - wo).normalize()
+        } else {
+            reflect(wo)
+        };
+        if (wi.z < 0.0) != transmitted {
+            return None;
         }
-        Fresnel::Exact => {
-            // Fresnel's equations, the mean of both polarisations.
-            let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-            let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-            0.5 * (parallel * parallel + perpendicular * perpendicular)
+        let eta2 = if transmitted {
+            self.eta * self.eta
+        } else {
+            1.0
+        };
+        if self.facets.is_none() {
+            let delta = BsdfSample::new(wi, Rgb::splat(1.0 / eta2), f32::INFINITY);
+            return Some(BsdfSample { eta2, ..delta });
         }
+        let sample = BsdfSample::of(wi, self.eval(wo, wi))?;
+        Some(BsdfSample { eta2, ..sample })
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let Some(facets) = &self.facets else {
+            return (Rgb::ZERO, 0.0);
+        };
+        if wi.z > 0.0 {
+            let reflected = facets.reflected(wo, wi);
+            let r = dielectric(self.fresnel, reflected.cos, self.eta);
+            return (Rgb::splat(r * reflected.f_cos), r * reflected.pdf);
+        }
+        let Some(refracted) = facets.refracted(wo, wi, self.eta) else {
+            return (Rgb::ZERO, 0.0);
+        };
+        let t = 1.0 - dielectric(self.fresnel, refracted.cos, self.eta);
+        (Rgb::splat(t * refracted.f_cos), t * refracted.pdf)
     }
 }
 
@@ -58,33 +87,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reflectance_has_its_known_values() {
-        // Normal incidence ((n-1)/(n+1))², Brewster's angle without the parallel part, grazing 1.
-        for fresnel in [Fresnel::Exact, Fresnel::Schlick] {
-            assert!((reflectance(1.0, 1.0, 1.5, fresnel) - 0.04).abs() < 1e-6);
-            let grazing = reflectance(1e-4, cos_refracted(1e-4, 1.5).unwrap(), 1.5, fresnel);
-            assert!((grazing - 1.0).abs() < 2e-3);
-        }
-        let brewster = 1.5_f32.atan().cos();
-        let perpendicular = ((1.0 - 2.25) / (1.0 + 2.25_f32)).powi(2);
-        let r = reflectance(
-            brewster,
-            cos_refracted(brewster, 1.5).unwrap(),
-            1.5,
-            Fresnel::Exact,
-        );
-        assert!((r - 0.5 * perpendicular).abs() < 1e-6);
-        assert_eq!(cos_refracted(0.5, 1.0 / 1.5), None);
-        for fresnel in [Fresnel::Exact, Fresnel::Schlick] {
-            assert_eq!(reflectance(1e-3, 1e-3, 1.0, fresnel), 0.0, "no boundary");
-        }
-    }
-
-    #[test]
     fn refraction_obeys_snell() {
         let wo = Vec3::new(0.6, 0.0, 0.8);
-        let out = sample(wo, 1.5, Fresnel::None, 0.5);
-        assert!(out.transmitted);
+        let boundary = Dielectric::new(1.5, Fresnel::None, None);
+        let out = boundary.sample(wo, 0.5, Vec2::ZERO).unwrap();
         assert!((-out.wi.x * 1.5 - wo.x).abs() < 1e-6 && out.wi.z < 0.0);
+        assert_eq!(out.eta2, 2.25);
     }
 }

@@ -2,14 +2,25 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::color::Rgb;
 use crate::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 
-/// A direction in proportion to the cosine, so that `f cos / pdf` is the albedo.
-pub(super) fn sample(u2: Vec2) -> Vec3 {
-    cosine_hemisphere(u2)
+use super::BsdfSample;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Diffuse {
+    pub(super) albedo: Rgb,
 }
 
-/// Density of [`sample`]; also `f cos` for an albedo of 1.
-pub(super) fn pdf(wi: Vec3) -> f32 {
-    cosine_hemisphere_pdf(wi.z)
+impl Diffuse {
+    /// A direction in proportion to the cosine, so that `f cos / pdf` is the albedo.
+    pub(super) fn sample(&self, u2: Vec2) -> BsdfSample {
+        let wi = cosine_hemisphere(u2);
+        BsdfSample::new(wi, self.albedo, cosine_hemisphere_pdf(wi.z))
+    }
+
+    pub(super) fn eval(&self, wi: Vec3) -> (Rgb, f32) {
+        let pdf = cosine_hemisphere_pdf(wi.z);
+        (self.albedo * pdf, pdf)
+    }
 }

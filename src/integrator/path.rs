@@ -1,4 +1,4 @@
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::accel::Hit;
 use crate::bsdf::Bsdf;
@@ -102,6 +102,9 @@ impl PathIntegrator {
             let mut alive = 0;
             for i in 0..rays.len() {
                 let index = paths[i].index;
+                let distance = hits[i].map_or(f64::INFINITY, |hit| hit.t);
+                let left = paths[i].media.transmittance(distance);
+                paths[i].beta *= left;
                 let Some(hit) = hits[i] else {
                     radiance[index] += paths[i].beta * world.scene().environment;
                     continue;
@@ -115,7 +118,8 @@ impl PathIntegrator {
                 let bsdf = world.bsdf(&point, &paths[i].media);
                 let [pick, u, v, _] = paths[i].sampler.set(2 * depth + 2);
                 if bsdf.is_smooth()
-                    && let Some((ray, light)) = direct(world, &point, &bsdf, pick, Vec2::new(u, v))
+                    && let Some((ray, light)) =
+                        direct(world, &paths[i], &point, &bsdf, wo, pick, Vec2::new(u, v))
                 {
                     let light = paths[i].beta * light;
                     shadows.push(Shadowed { index, light });
@@ -166,16 +170,23 @@ fn emitted(world: &World, path: &Path, hit: &Hit, point: &SurfacePoint) -> Rgb {
 /// Light sampled towards one light: the shadow ray, and what it brings if it is free.
 fn direct(
     world: &World,
+    path: &Path,
     point: &SurfacePoint,
     bsdf: &Bsdf,
+    wo: Vec3,
     pick: f32,
     u2: Vec2,
 ) -> Option<(Ray, Rgb)> {
     let sample = world.lights().sample(point.p, pick, u2)?;
     let wi = (sample.p - point.p).as_vec3().try_normalize()?;
-    let (f_cos, pdf) = bsdf.eval(wi);
+    let (f_cos, pdf) = bsdf.eval(wo, wi);
+    if f_cos == Rgb::ZERO {
+        return None;
+    }
     let weight = power_heuristic(sample.pdf, pdf) / sample.divisor();
-    let light = f_cos * sample.li * weight;
+    let distance = sample.p.distance(point.p);
+    let left = (path.media).towards(point, world.material(point), wi, distance);
+    let light = f_cos * sample.li * weight * left;
     (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))
 }
 
@@ -186,7 +197,7 @@ impl PathIntegrator {
         path: &mut Path,
         point: &SurfacePoint,
         bsdf: &Bsdf,
-        wo: glam::Vec3,
+        wo: Vec3,
         depth: u32,
     ) -> Option<Ray> {
         let [pick, u, v, survive] = path.sampler.set(2 * depth + 1);

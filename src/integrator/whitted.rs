@@ -1,6 +1,5 @@
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
-use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::{Light, LightSample};
 use crate::math::Ray;
@@ -8,8 +7,8 @@ use crate::world::{Media, SurfacePoint, World};
 
 use super::{CameraRay, Integrator, media};
 
-/// Recursive ray tracing after Whitted 1980: diffuse surfaces show direct light, mirrors and glass pass
-/// the ray on. At a dielectric one of the two directions is followed, by chance.
+/// Recursive ray tracing after Whitted 1980: matt and rough surfaces show direct light, mirrors and glass pass
+/// the ray on, and so do smooth coats. Of several directions one is followed, by chance.
 #[derive(Clone, Copy, Debug)]
 pub struct WhittedIntegrator {
     /// Most reflections and refractions.
@@ -37,7 +36,9 @@ impl WhittedIntegrator {
         let mut light = Rgb::ZERO;
         for depth in 0..=self.max_depth {
             *traced += 1;
-            let Some(hit) = world.intersect(&ray) else {
+            let hit = world.intersect(&ray);
+            beta *= media.transmittance(hit.map_or(f64::INFINITY, |hit| hit.t));
+            let Some(hit) = hit else {
                 return light + beta * self.background.unwrap_or(world.scene().environment);
             };
             let point = world.surface(&ray, &hit);
@@ -45,10 +46,15 @@ impl WhittedIntegrator {
             let bsdf = world.bsdf(&point, &media);
             let wo = -ray.direction.as_vec3();
             if bsdf.is_smooth() {
-                return light + beta * self.direct(world, &point, &bsdf, camera, depth, traced);
+                let reflected = |wi, distance| {
+                    let left = media.towards(&point, world.material(&point), wi, distance);
+                    bsdf.eval(wo, wi).0 * left
+                };
+                light += beta * self.direct(world, &point, reflected, camera, depth, traced);
             }
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
-            let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
+            let sample = bsdf.sample(wo, pick, Vec2::new(u, v));
+            let Some(sample) = sample.filter(|sample| sample.pdf.is_infinite()) else {
                 return light;
             };
             beta *= sample.weight;
@@ -58,12 +64,13 @@ impl WhittedIntegrator {
         light + beta * self.background.unwrap_or(Rgb::ZERO)
     }
 
-    /// Direct light from every point light, and from one point of one of the others.
+    /// Direct light from every point light, and from one point of one of the others; `reflected` is what the surface
+    /// reflects of light from a direction and a distance.
     fn direct(
         &self,
         world: &World,
         point: &SurfacePoint,
-        bsdf: &Bsdf,
+        reflected: impl Fn(Vec3, f64) -> Rgb,
         camera: &CameraRay,
         depth: u32,
         traced: &mut u64,
@@ -72,7 +79,7 @@ impl WhittedIntegrator {
             let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
                 return Rgb::ZERO;
             };
-            let (f_cos, _) = bsdf.eval(wi);
+            let f_cos = reflected(wi, sample.p.distance(point.p));
             if f_cos == Rgb::ZERO {
                 return Rgb::ZERO;
             }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::color::{Encoding, Rgb};
 use crate::error::{Error, Place, Result};
-use crate::material::{Fresnel, Material, Surface};
+use crate::material::{Fresnel, Material, Principled, Surface};
 use crate::texture::{Bitmap, Texture};
 
 use super::lines::{Line, Lines, Word, Words};
@@ -26,6 +26,10 @@ pub(super) struct Definition {
     opacity: Option<f32>,
     transparency: Option<f32>,
     illum: Option<f32>,
+    /// Phong's exponent.
+    shininess: Option<f32>,
+    roughness: Option<f32>,
+    metallic: Option<f32>,
     diffuse_map: Option<Map>,
     emission_map: Option<Place>,
 }
@@ -87,6 +91,9 @@ impl Definition {
             b"d" => self.opacity = Some(number(line, keyword, words)?),
             b"Tr" => self.transparency = Some(number(line, keyword, words)?),
             b"illum" => self.illum = Some(number(line, keyword, words)?),
+            b"Ns" => self.shininess = Some(number(line, keyword, words)?),
+            b"Pr" => self.roughness = Some(number(line, keyword, words)?),
+            b"Pm" => self.metallic = Some(number(line, keyword, words)?),
             b"map_Kd" => {
                 let (name, moved) = map_name(line, keyword, words)?;
                 if moved {
@@ -106,8 +113,9 @@ impl Definition {
         Ok(())
     }
 
-    /// The material that comes nearest: a mirror for `illum 3` with `Ks`; glass for `illum` 4, 6 and 7
-    /// and for what lets more than half through (`d`, else `Tr`), if `Ni` is above 1; else diffuse.
+    /// The material that comes nearest: a mirror for `illum 3` with `Ks`; glass, of roughness `Pr`, for `illum` 4, 6 and 7
+    /// and for what lets more than half through (`d`, else `Tr`), if `Ni` is above 1; principled where there is a
+    /// highlight (`Ks`, unless `illum` is 0 or 1) or `Pr` or `Pm`; else diffuse.
     /// Colours are linear. `textures` keeps what has been read.
     ///
     /// # Errors
@@ -129,10 +137,10 @@ impl Definition {
             (_, _, Some(ior)) if clear && ior > 1.0 => Surface::Dielectric {
                 ior,
                 fresnel: Fresnel::Exact,
+                roughness: self.roughness.unwrap_or(0.0).min(1.0).into(),
+                absorption: Rgb::ZERO,
             },
-            _ => Surface::Diffuse {
-                color: self.albedo(textures)?,
-            },
+            _ => self.opaque(illum, self.albedo(textures)?),
         };
         if let Some(place) = &self.emission_map {
             warnings.push(warning(
@@ -147,6 +155,24 @@ impl Definition {
             emission: self.emission.filter(|_| emits).unwrap_or_default(),
             ..Material::default()
         })
+    }
+
+    /// Half of white `Ks` stands for the 4 % that most things reflect, as common writers have it; a highlight of
+    /// exponent `Ns` is as wide as one of GGX whose alpha squared is `2 / (Ns + 2)`.
+    fn opaque(&self, illum: u32, color: Texture) -> Surface {
+        let highlight = self.specular.filter(|ks| illum > 1 && *ks != Rgb::ZERO);
+        if highlight.is_none() && self.roughness.is_none() && self.metallic.is_none() {
+            return Surface::Diffuse { color };
+        }
+        let exponent = self.shininess.unwrap_or(0.0);
+        let roughness = (self.roughness).unwrap_or((2.0 / (exponent + 2.0)).powf(0.25));
+        let defaults = Principled::new(color);
+        Surface::Principled(Box::new(Principled {
+            metallic: self.metallic.unwrap_or(0.0).min(1.0).into(),
+            roughness: roughness.min(1.0).into(),
+            specular_color: Texture::Constant(highlight.map_or(Rgb::ONE, |ks| 2.0 * ks)),
+            ..defaults
+        }))
     }
 
     fn albedo(&self, textures: &mut HashMap<PathBuf, Arc<Bitmap>>) -> Result<Texture> {

@@ -28,6 +28,19 @@ impl Frame {
         }
     }
 
+    /// A frame whose z is the unit vector `normal` and whose x lies as `tangent` does, as far as it can.
+    pub fn along(normal: Vec3, tangent: Vec3) -> Self {
+        let flat = tangent - normal.dot(tangent) * normal;
+        match flat.try_normalize() {
+            Some(x) => Self {
+                x,
+                y: normal.cross(x),
+                z: normal,
+            },
+            None => Self::around(normal),
+        }
+    }
+
     /// World direction to frame coordinates.
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))

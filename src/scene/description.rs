@@ -8,7 +8,7 @@ use crate::color::{Encoding, Rgb};
 use crate::error::Place;
 use crate::geometry::{CsgOp, Solid};
 use crate::light::PointLight;
-use crate::material::Fresnel;
+use crate::material::Surface;
 use crate::math::Transform;
 use crate::texture::{Pattern, Ramp, Sampling};
 
@@ -127,27 +127,8 @@ pub enum ReliefDescription {
     },
 }
 
-/// How a surface scatters light; see [`crate::material::Surface`].
-#[derive(Clone, Debug, PartialEq)]
-pub enum SurfaceDescription {
-    /// Lambert's.
-    Diffuse {
-        /// Albedo.
-        color: TextureDescription,
-    },
-    /// Perfect reflection.
-    Mirror {
-        /// Reflectance.
-        color: TextureDescription,
-    },
-    /// A smooth boundary between air and a clear medium.
-    Dielectric {
-        /// Index of refraction, above 0.
-        ior: f32,
-        /// How much is reflected.
-        fresnel: Fresnel,
-    },
-}
+/// How a surface scatters light, its textures as written.
+pub type SurfaceDescription = Surface<TextureDescription>;
 
 /// A colour or number that may vary over a surface; see [`crate::texture::Texture`].
 #[derive(Clone, Debug, PartialEq)]
@@ -179,6 +160,13 @@ pub enum TextureDescription {
         /// Multiplies each channel.
         by: Rgb,
     },
+    /// One channel of a texture as a grey.
+    Channel {
+        /// The texture.
+        of: Box<TextureDescription>,
+        /// Which one: 1 where that is, else 0.
+        by: Rgb,
+    },
     /// A texture moved as an object is.
     Transform {
         /// The texture.
@@ -195,6 +183,13 @@ pub enum TextureDescription {
         /// As a scalar.
         by: Box<TextureDescription>,
     },
+}
+
+impl From<f32> for TextureDescription {
+    /// The same grey everywhere.
+    fn from(value: f32) -> Self {
+        Self::Constant(Rgb::splat(value))
+    }
 }
 
 /// An object after all the objects that it is made of, in post-order: an operator follows its operands and takes

@@ -56,12 +56,19 @@ pub enum Texture {
         /// Multiplies each channel.
         by: Rgb,
     },
+    /// A grey: the sum of a texture's channels, each times its part of `by`; for one channel as a number.
+    Channel {
+        /// The texture.
+        of: Arc<Texture>,
+        /// `Rgb::X` for red, and so on.
+        by: Rgb,
+    },
     /// A texture in a space of its own; surface coordinates are moved along, as the point (u, v, 0).
     Transform {
         /// The texture.
         of: Arc<Texture>,
         /// From the object's space to the texture's.
-        texture_from_object: Transform,
+        texture_from_object: Box<Transform>,
     },
     /// From `a` to `b`, straight in linear light, as `by` goes from 0 to 1.
     Mix {
@@ -72,6 +79,13 @@ pub enum Texture {
         /// As a scalar.
         by: Arc<Texture>,
     },
+}
+
+impl From<f32> for Texture {
+    /// The same grey everywhere.
+    fn from(value: f32) -> Self {
+        Self::Constant(Rgb::splat(value))
+    }
 }
 
 impl Texture {
@@ -95,6 +109,7 @@ impl Texture {
                 sampling,
             } => image.sample(point.uv, *sampling) * *scale,
             Self::Scale { of, by } => of.eval(point) * *by,
+            Self::Channel { of, by } => Rgb::splat(of.eval(point).dot(*by)),
             Self::Transform {
                 of,
                 texture_from_object: t,
@@ -123,6 +138,16 @@ impl Texture {
         luminance(self.eval(point))
     }
 
+    /// The luminance, cut to 0..=1.
+    pub fn eval_share(&self, point: &TexturePoint) -> f32 {
+        self.eval_scalar(point).clamp(0.0, 1.0)
+    }
+
+    /// Whether it is the same grey everywhere.
+    pub fn is(&self, value: f32) -> bool {
+        matches!(self, Self::Constant(color) if *color == Rgb::splat(value))
+    }
+
     /// How far [`Texture::slope`] looks.
     fn reach(&self) -> Reach {
         match self {
@@ -133,7 +158,7 @@ impl Texture {
                 uv: 0.5 / image.width.max(image.height) as f64,
                 ..Reach::ENDLESS
             },
-            Self::Scale { of, .. } => of.reach(),
+            Self::Scale { of, .. } | Self::Channel { of, .. } => of.reach(),
             Self::Transform {
                 of,
                 texture_from_object: t,
@@ -171,7 +196,9 @@ impl Texture {
     pub fn parts(&self) -> usize {
         1 + match self {
             Self::Constant(_) | Self::Pattern { .. } | Self::Image { .. } => 0,
-            Self::Scale { of, .. } | Self::Transform { of, .. } => of.parts(),
+            Self::Scale { of, .. } | Self::Channel { of, .. } | Self::Transform { of, .. } => {
+                of.parts()
+            }
             Self::Mix { a, b, by } => a.parts() + b.parts() + by.parts(),
         }
     }

@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::color::Rgb;
 use crate::geometry::{Shape, Solid};
-use crate::material::{Material, MaterialId, Surface};
+use crate::material::{Interior, Material, MaterialId};
 use crate::scene::Scene;
 
 use super::{SurfacePoint, World};
@@ -19,7 +20,7 @@ pub struct Media(Vec<Medium>);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Medium {
     instance: u32,
-    ior: f32,
+    interior: Interior,
 }
 
 impl Medium {
@@ -30,17 +31,11 @@ impl Medium {
             return None;
         }
         let surface = |id: &MaterialId| &scene.materials[id.0 as usize].surface;
-        instance
-            .materials
-            .iter()
-            .map(surface)
-            .find_map(|s| match s {
-                Surface::Dielectric { ior, .. } => Some(Self {
-                    instance: index as u32,
-                    ior: *ior,
-                }),
-                _ => None,
-            })
+        instance.materials.iter().map(surface).find_map(|surface| {
+            let instance = index as u32;
+            let interior = surface.interior()?;
+            Some(Self { instance, interior })
+        })
     }
 }
 
@@ -48,21 +43,51 @@ impl Media {
     /// The index of refraction beyond the surface over the one before it, for an object of index `ior`.
     pub(super) fn eta(&self, point: &SurfacePoint, ior: f32) -> f32 {
         let others = |medium: &&Medium| medium.instance != point.instance;
-        let around = self.0.iter().rfind(others).map_or(1.0, |m| m.ior);
+        let around = self.0.iter().rfind(others).map_or(1.0, |m| m.interior.ior);
         if point.side > 0.0 {
             return ior / around;
         }
         match self.0.iter().rposition(|m| m.instance == point.instance) {
             // The path goes on in an object that it entered later.
             Some(i) if i + 1 < self.0.len() => 1.0,
-            Some(i) => around / self.0[i].ior,
+            Some(i) => around / self.0[i].interior.ior,
             None => around / ior,
         }
     }
 
+    /// What is left of light after `distance` in the medium that rules here (Beer's law).
+    pub fn transmittance(&self, distance: f64) -> Rgb {
+        let absorption = self.0.last().map_or(Rgb::ZERO, |m| m.interior.absorption);
+        if absorption == Rgb::ZERO {
+            return Rgb::ONE;
+        }
+        let left = |a: f32| {
+            // Of what is not absorbed at all nothing is lost however far it goes.
+            if a == 0.0 {
+                1.0
+            } else {
+                (-a * distance as f32).exp()
+            }
+        };
+        Rgb::from_array(absorption.to_array().map(left))
+    }
+
+    /// What is left of light that reaches the surface along `wi` from `distance` away.
+    pub fn towards(
+        &self,
+        point: &SurfacePoint,
+        material: &Material,
+        wi: Vec3,
+        distance: f64,
+    ) -> Rgb {
+        let mut beyond = self.clone();
+        beyond.follow(point, material, wi);
+        beyond.transmittance(distance)
+    }
+
     /// The path leaves the surface along `wi`: where that crosses a clear one, it enters or leaves the object.
     pub fn follow(&mut self, point: &SurfacePoint, material: &Material, wi: Vec3) {
-        let Surface::Dielectric { ior, .. } = material.surface else {
+        let Some(interior) = material.surface.interior() else {
             return;
         };
         if point.side * wi.dot(point.ng) >= 0.0 {
@@ -71,7 +96,7 @@ impl Media {
         let instance = point.instance;
         self.0.retain(|medium| medium.instance != instance);
         if point.side > 0.0 {
-            self.0.push(Medium { instance, ior });
+            self.0.push(Medium { instance, interior });
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::bsdf::Bsdf;
 use crate::error::Result;
 use crate::geometry::{CsgId, Tangents};
 use crate::light::{Light, LightSampler};
-use crate::material::{Material, Surface};
+use crate::material::Material;
 use crate::math::{Bounds, Ray};
 use crate::scene::{Instance, Scene};
 
@@ -31,7 +31,7 @@ pub struct World {
     emitters: Vec<Emitters>,
     /// The instances that light goes through.
     clear: Vec<Medium>,
-    /// Of the meshes on which a normal map needs them.
+    /// Of the meshes on which a normal map or a brushed surface needs them.
     tangents: Vec<Option<Tangents>>,
 }
 
@@ -126,12 +126,16 @@ impl World {
     /// How the surface scatters light that comes from a path in `media`.
     pub fn bsdf(&self, point: &SurfacePoint, media: &Media) -> Bsdf {
         let surface = &self.material(point).surface;
-        let eta = match surface {
-            Surface::Dielectric { ior, .. } => media.eta(point, *ior),
-            _ => 1.0,
-        };
-        let SurfacePoint { ng, ns, side, .. } = *point;
-        Bsdf::new(surface, &point.texture, ng, ns, side, eta)
+        let interior = surface.interior();
+        let eta = interior.map_or(1.0, |interior| media.eta(point, interior.ior));
+        let SurfacePoint {
+            ng,
+            ns,
+            tangent,
+            side,
+            ..
+        } = *point;
+        Bsdf::new(surface, &point.texture, ng, ns, tangent, side, eta)
     }
 
     /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0

@@ -1,4 +1,4 @@
-//! Shading normals bent by bumps and normal maps, in object space.
+//! How surface coordinates lie around a point, and the shading normals that bumps and normal maps bend, in object space.
 
 use glam::{DVec2, DVec3};
 
@@ -20,7 +20,21 @@ struct Coordinates {
     smooth: Option<DVec3>,
 }
 
+impl Coordinates {
+    /// Where u grows on a surface of normal `n`, and the side on which v does, as [`uv_axes`] has it.
+    fn axes(&self, n: DVec3) -> Option<(DVec3, f64)> {
+        let (flat, side) = uv_axes(self.gradients, n)?;
+        Some((self.smooth.unwrap_or(flat), side))
+    }
+}
+
 impl World {
+    /// Where the first surface coordinate grows, of any length; 0 where that is nowhere.
+    pub(super) fn tangent(&self, instance: &Instance, hit: &Hit, at: &LocalPoint) -> DVec3 {
+        let axes = self.coordinates(instance, hit, at).axes(at.n);
+        axes.map_or(DVec3::ZERO, |(tangent, _)| tangent)
+    }
+
     /// The shading normal that `relief` makes of a point's own.
     pub(super) fn bent(
         &self,
@@ -92,10 +106,9 @@ fn mapped(
     n: DVec3,
     coordinates: &Coordinates,
 ) -> DVec3 {
-    let Some((tangent, side)) = uv_axes(coordinates.gradients, point.n) else {
+    let Some((tangent, side)) = coordinates.axes(point.n) else {
         return n;
     };
-    let tangent = coordinates.smooth.unwrap_or(tangent);
     let Some(tangent) = tangent.reject_from_normalized(n).try_normalize() else {
         return n;
     };
@@ -103,15 +116,16 @@ fn mapped(
     scale * (map.x * tangent + map.y * side * n.cross(tangent)) + map.z * n
 }
 
-/// The tangents of the meshes that show a normal map on smooth normals.
+/// The tangents of the meshes that show a normal map, or are brushed, on smooth normals.
 pub(super) fn tangents(scene: &Scene) -> Vec<Option<Tangents>> {
     let mut tangents = vec![None; scene.meshes.len()];
     for instance in scene.instances.iter().filter(|instance| instance.smooth) {
-        let mapped = |m: &MaterialId| {
-            let relief = &scene.materials[m.0 as usize].relief;
-            matches!(relief, Some(Relief::NormalMap { .. }))
+        let turned = |m: &MaterialId| {
+            let material = &scene.materials[m.0 as usize];
+            matches!(material.relief, Some(Relief::NormalMap { .. }))
+                || material.surface.is_brushed()
         };
-        if !instance.materials.iter().any(mapped) {
+        if !instance.materials.iter().any(turned) {
             continue;
         }
         let meshes = match instance.shape {

@@ -25,6 +25,9 @@ pub struct SurfacePoint {
     pub side: f32,
     /// Shading normal, on the side of `ng`.
     pub ns: Vec3,
+    /// Along the surface, where its first coordinate grows; of any length, and 0 where it has no such direction or
+    /// looks the same when it is turned.
+    pub tangent: Vec3,
     /// What textures see.
     pub texture: TexturePoint,
     /// The surface's material.
@@ -44,8 +47,9 @@ impl World {
         };
         let outward = transform.normal(at.n);
         let ng = outward.as_vec3().normalize();
-        let material = instance.material(at.slot);
-        let ns = match &self.scene.materials[material.0 as usize].relief {
+        let id = instance.material(at.slot);
+        let material = &self.scene.materials[id.0 as usize];
+        let ns = match &material.relief {
             None => (at.shading)
                 .map(|n| transform.normal(n).as_vec3())
                 .filter(|n| n.is_finite())
@@ -55,6 +59,11 @@ impl World {
                 above_horizon(n.as_vec3(), ng)
             }
         };
+        let tangent = if material.surface.is_brushed() {
+            transform.vector(self.tangent(instance, hit, &at)).as_vec3()
+        } else {
+            Vec3::ZERO
+        };
         SurfacePoint {
             p: transform.point(at.p),
             instance: hit.instance,
@@ -62,8 +71,9 @@ impl World {
             ng,
             side: if hit.inside { -1.0 } else { 1.0 },
             ns,
+            tangent,
             texture: at.texture_point(),
-            material,
+            material: id,
         }
     }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DAffine3, DMat3, DVec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Csg, CsgOp, Operand, Solid};
-use solidtrace::material::{Fresnel, MaterialId, Surface};
+use solidtrace::material::{MaterialId, Surface};
 use solidtrace::math::Transform;
 use solidtrace::sampling::SamplerKind;
 use solidtrace::scene::{IntegratorSettings, Scene};
@@ -92,11 +92,11 @@ fn furnished(albedo: f32, emission: f32, environment: f32) -> Scene {
     let wall = scene.material(diffuse(albedo), emission);
     scene.csg(room(), &[wall], DAffine3::IDENTITY);
     let white = Texture::Constant(Rgb::ONE);
-    let glass = Surface::Dielectric {
-        ior: 1.5,
-        fresnel: Fresnel::Exact,
-    };
-    let surfaces = [diffuse(1.0), Surface::Mirror { color: white }, glass];
+    let surfaces = [
+        diffuse(1.0),
+        Surface::Mirror { color: white },
+        Surface::glass(1.5),
+    ];
     for (i, surface) in surfaces.into_iter().enumerate() {
         let material = scene.material(surface, 0.0);
         let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.7 * i as f64);

@@ -8,7 +8,9 @@ use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::{Pattern, Ramp, Texture};
 
 use crate::support::meshes::{box_mesh, sphere_mesh};
-use crate::support::{Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot, statistics};
+use crate::support::{
+    Build, SAMPLERS, Shot, camera, dielectric, diffuse, empty_scene, shoot, statistics,
+};
 
 const TOLERANCE: f32 = 0.005;
 
@@ -60,7 +62,7 @@ fn materials() -> Vec<(&'static str, Surface)> {
         ("glass by Schlick", Fresnel::Schlick),
         ("glass without Fresnel", Fresnel::None),
     ] {
-        all.push((name, Surface::Dielectric { ior: 1.5, fresnel }));
+        all.push((name, dielectric(1.5, fresnel)));
     }
     all
 }
@@ -130,7 +132,7 @@ fn radiance_inside_glass_is_the_index_squared_as_high() {
     for fresnel in [Fresnel::Exact, Fresnel::Schlick, Fresnel::None] {
         let mut scene = empty_scene();
         scene.environment = Rgb::ONE;
-        let glass = scene.material(Surface::Dielectric { ior: 1.5, fresnel }, 0.0);
+        let glass = scene.material(dielectric(1.5, fresnel), 0.0);
         // From the centre every ray meets the surface head-on, so nothing is trapped.
         scene.solid(Solid::Sphere { radius: 1.0 }, glass, DVec3::ZERO);
         let shot = Shot {

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Solid};
 use solidtrace::integrator::{CameraRay, Integrator};
-use solidtrace::material::{Fresnel, Surface};
+use solidtrace::material::{Fresnel, Metal, Principled, Surface};
 use solidtrace::sampling::{SamplerKind, uniform_sphere};
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
@@ -240,13 +240,7 @@ fn mixed() -> Scene {
     scene.environment = Rgb::new(0.1, 0.2, 0.3);
     let white = scene.material(diffuse(0.8), 0.0);
     let lamp = scene.material(diffuse(0.3), 4.0);
-    let glass = scene.material(
-        Surface::Dielectric {
-            ior: 1.5,
-            fresnel: Fresnel::Exact,
-        },
-        0.0,
-    );
+    let glass = scene.material(Surface::glass(1.5), 0.0);
     let mirror = scene.material(
         Surface::Mirror {
             color: Texture::Constant(Rgb::splat(0.9)),
@@ -315,9 +309,8 @@ impl Integrator for BsdfOnly {
     }
 }
 
-#[test]
-fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
-    let mut scene = mixed();
+/// Checks that the path integrator renders the scene as [`BsdfOnly`] does.
+fn assert_agreement(mut scene: Scene) {
     scene.integrator = IntegratorSettings::Path {
         max_depth: Some(11),
         russian_roulette: true,
@@ -362,4 +355,51 @@ fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
     let mean = squares / count;
     println!("mean squared deviation {mean:.3} of {count} values");
     assert!(count > 150.0 && mean < 1.35, "{mean}");
+}
+
+#[test]
+fn light_sampling_agrees_with_paths_that_find_the_lights_by_themselves() {
+    assert_agreement(mixed());
+}
+
+#[test]
+fn light_sampling_agrees_on_rough_and_layered_surfaces() {
+    let color = |r, g, b| Texture::Constant(Rgb::new(r, g, b));
+    let mut scene = mixed();
+    // In place of white, the lamp, glass and the mirror.
+    let metal = Metal::named("copper").unwrap();
+    let coated = Principled {
+        metallic: 0.3.into(),
+        roughness: 0.5.into(),
+        clearcoat: 1.0.into(),
+        sheen_color: color(0.3, 0.5, 0.3),
+        sheen_roughness: 0.5.into(),
+        ..Principled::new(color(0.7, 0.3, 0.2))
+    };
+    let surfaces = [
+        Surface::Principled(Box::new(coated)),
+        Surface::Plastic {
+            color: color(0.3, 0.3, 0.3),
+            ior: 1.5,
+            roughness: 0.5.into(),
+        },
+        Surface::Dielectric {
+            ior: 1.5,
+            fresnel: Fresnel::Exact,
+            roughness: 0.5.into(),
+            absorption: Rgb::ZERO,
+        },
+        Surface::Mix {
+            a: Box::new(Surface::Conductor {
+                metal,
+                roughness: 0.4.into(),
+            }),
+            b: Box::new(diffuse(0.5)),
+            weight: 0.5.into(),
+        },
+    ];
+    for (material, surface) in scene.materials.iter_mut().zip(surfaces) {
+        material.surface = surface;
+    }
+    assert_agreement(scene);
 }

@@ -22,6 +22,7 @@ mod hits;
 mod layering;
 mod lights;
 mod loaders;
+mod materials;
 mod media;
 mod output;
 mod png;

@@ -2,16 +2,15 @@
 
 use glam::{DAffine3, DVec3, Vec2};
 use solidtrace::geometry::{Csg, CsgOp, Operand, Shape, Solid};
-use solidtrace::material::{Fresnel, MaterialId, Surface};
+use solidtrace::material::{Fresnel, MaterialId};
 use solidtrace::math::{Ray, Transform};
 use solidtrace::scene::Scene;
 use solidtrace::world::{Media, World};
 
-use crate::support::{Build, empty_scene};
+use crate::support::{Build, dielectric, empty_scene};
 
 fn clear(scene: &mut Scene, ior: f32) -> MaterialId {
-    let fresnel = Fresnel::None;
-    scene.material(Surface::Dielectric { ior, fresnel }, 0.0)
+    scene.material(dielectric(ior, Fresnel::None), 0.0)
 }
 
 /// A point of a path: where, and the direction in which it goes on.

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use solidtrace::color::Tonemap;
+use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
 use solidtrace::material::{Fresnel, Surface};
@@ -223,6 +223,8 @@ fn materials_are_as_written_and_shared_by_name() {
     let thin = SurfaceDescription::Dielectric {
         ior: 1.33,
         fresnel: Fresnel::None,
+        roughness: 0.0.into(),
+        absorption: Rgb::ZERO,
     };
     assert_eq!(d.materials[3].surface, thin);
     let silver = SurfaceDescription::Mirror {

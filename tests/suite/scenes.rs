@@ -51,7 +51,7 @@ fn picture(mut scene: Scene) -> (World, Vec<Rgb>) {
 fn every_scene_renders() {
     let mut all = scenes(&folder());
     all.extend(scenes(&folder().join("report")));
-    assert!(all.len() >= 26, "{} scenes", all.len());
+    assert!(all.len() >= 27, "{} scenes", all.len());
     for path in all {
         let (_, pixels) = picture(load(path.to_str().unwrap()));
         let shades: HashSet<[u32; 3]> = (pixels.iter())

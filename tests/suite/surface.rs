@@ -4,6 +4,7 @@ use glam::{DAffine3, DQuat, DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use solidtrace::geometry::{Shape, Solid};
+use solidtrace::material::{Metal, Roughness, Surface};
 use solidtrace::math::Ray;
 
 use crate::support::meshes::{moved, sphere_mesh};
@@ -62,6 +63,36 @@ fn a_squashed_sphere_has_the_normals_of_its_ellipsoid() {
             );
             let entering = n.dot(ray.direction) < 0.0;
             assert_eq!(point.side, if entering { 1.0 } else { -1.0 });
+        }
+    }
+}
+
+#[test]
+fn tangents_of_brushed_spheres_run_round_the_axis_under_transforms_too() {
+    for sign in [1.0, -1.0] {
+        let mut scene = empty_scene();
+        let brushed = scene.material(
+            Surface::Conductor {
+                metal: Metal::named("iron").unwrap(),
+                roughness: Roughness {
+                    anisotropy: 0.5.into(),
+                    ..0.2.into()
+                },
+            },
+            0.0,
+        );
+        let sphere = Shape::Solid(Solid::Sphere { radius: 1.0 });
+        scene.place(sphere, brushed, place(sign));
+        let world = scene.world();
+        for ray in rays(place(sign)) {
+            let hit = world.intersect(&ray).unwrap();
+            let point = world.surface(&ray, &hit);
+            let local = place(sign).inverse().transform_point3(point.p);
+            let around = place(sign).transform_vector3(DVec3::new(-local.y, local.x, 0.0));
+            let found = point.tangent.as_dvec3().normalize();
+            // By differences, which near the poles have fewer digits.
+            let poles = local.x.hypot(local.y) < 0.01;
+            assert!(poles || (found - around.normalize()).length() < 1e-5);
         }
     }
 }

@@ -22,11 +22,17 @@ use accessor::Document;
 use json::Json;
 
 /// Extensions that a file may require and that are read as they are meant.
-const SUPPORTED: [&str; 5] = [
+const SUPPORTED: [&str; 11] = [
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
 ];
 

@@ -14,10 +14,8 @@ use std::sync::Arc;
 use crate::color::Encoding;
 use crate::error::{Error, Place, Result, did_you_mean};
 use crate::geometry::{Csg, CsgId, MeshId, Operand, Shape};
-use crate::material::{Material, MaterialId, Surface};
-use crate::scene::description::{
-    MaterialDescription, ObjectTree, Offset, Reference, SurfaceDescription,
-};
+use crate::material::{Material, MaterialId};
+use crate::scene::description::{MaterialDescription, ObjectTree, Offset, Reference};
 use crate::scene::{Instance, Scene, SceneDescription};
 use crate::texture::{Bitmap, Texture};
 
@@ -199,7 +197,8 @@ impl<'a> Loader<'a> {
         let emission_texture = material.emission_texture.as_ref();
         Ok(Material {
             name: material.name.clone(),
-            surface: self.surface(&material.surface)?,
+            surface: (material.surface)
+                .try_map(&mut |texture, encoding| self.texture(texture, encoding))?,
             emission: material.emission,
             emission_texture: emission_texture
                 .map(|texture| self.texture(texture, Encoding::Srgb))
@@ -207,21 +206,6 @@ impl<'a> Loader<'a> {
             relief: (material.relief.as_ref())
                 .map(|relief| self.relief(relief))
                 .transpose()?,
-        })
-    }
-
-    fn surface(&mut self, surface: &'a SurfaceDescription) -> Result<Surface> {
-        Ok(match surface {
-            SurfaceDescription::Diffuse { color } => Surface::Diffuse {
-                color: self.texture(color, Encoding::Srgb)?,
-            },
-            SurfaceDescription::Mirror { color } => Surface::Mirror {
-                color: self.texture(color, Encoding::Srgb)?,
-            },
-            SurfaceDescription::Dielectric { ior, fresnel } => Surface::Dielectric {
-                ior: *ior,
-                fresnel: *fresnel,
-            },
         })
     }
 }

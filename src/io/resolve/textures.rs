@@ -102,9 +102,13 @@ impl<'a> Loader<'a> {
                 of: Arc::new(self.texture_for(of, at)?),
                 by: *by,
             },
+            TextureDescription::Channel { of, by } => Texture::Channel {
+                of: Arc::new(self.texture_for(of, at)?),
+                by: *by,
+            },
             TextureDescription::Transform { of, transform } => Texture::Transform {
                 of: Arc::new(self.texture_for(of, at)?),
-                texture_from_object: transform.inverse(),
+                texture_from_object: Box::new(transform.inverse()),
             },
             TextureDescription::Mix { a, b, by } => Texture::Mix {
                 a: Arc::new(self.texture_for(a, at)?),

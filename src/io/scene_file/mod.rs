@@ -126,8 +126,8 @@ fn scene(root: &Node) -> tree::Result<SceneDescription> {
             Ok((name.text.clone().into_owned(), node.texture()?))
         })
     })?;
-    let materials = f.or("materials", Vec::new(), |node| {
-        named(node, |name, node| materials::material(node, &name.text))
+    let materials = f.or("materials", Vec::new(), |all| {
+        named(all, |name, node| materials::material(node, &name.text, all))
     })?;
     let definitions = f.or("definitions", Vec::new(), |node| {
         named(node, |name, node| {

@@ -10,7 +10,7 @@ use super::fields::{Choice, Fields};
 use super::transforms::transform;
 use super::tree::{Fault, Node, Result, Value};
 
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 14] = [
     "Checker",
     "UvChecker",
     "Image",
@@ -22,6 +22,7 @@ const NAMES: [&str; 13] = [
     "Rings",
     "Fire",
     "Scale",
+    "Channel",
     "Transform",
     "Mix",
 ];
@@ -56,6 +57,12 @@ fn nested(node: &Node, depth: usize) -> Result<TextureDescription> {
             Ok(TextureDescription::Scale {
                 of: f.required("of", inner)?,
                 by: f.required("by", shade)?,
+            })
+        }),
+        "Channel" => choice.record(|f| {
+            Ok(TextureDescription::Channel {
+                of: f.required("of", inner)?,
+                by: f.required("channel", channel)?,
             })
         }),
         "Transform" => choice.record(|f| {
@@ -206,6 +213,17 @@ fn wrap(node: &Node) -> Result<Wrap> {
             let names = ["Repeat", "Clamp", "Mirror"];
             Err(choice.unknown("a way to go on beyond the edges", &names))
         }
+    }
+}
+
+/// The colour that is 1 in the channel alone.
+fn channel(node: &Node) -> Result<Rgb> {
+    let choice = Choice::of(node, "a channel")?;
+    match choice.name {
+        "Red" => choice.alone(Rgb::X),
+        "Green" => choice.alone(Rgb::Y),
+        "Blue" => choice.alone(Rgb::Z),
+        _ => Err(choice.unknown("a channel", &["Red", "Green", "Blue"])),
     }
 }
 

@@ -146,7 +146,8 @@ impl Node<'_> {
         })
     }
 
-    fn three(&self, form: &str, read: fn(&Self) -> Result<f64>) -> Result<DVec3> {
+    /// Three values; `form` shows what is wanted.
+    pub(super) fn three(&self, form: &str, read: fn(&Self) -> Result<f64>) -> Result<DVec3> {
         let [x, y, z] = self.tuple(form)?;
         Ok(DVec3::new(read(x)?, read(y)?, read(z)?))
     }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use solidtrace::color::{Encoding, Rgb};
 use solidtrace::io::{read_bitmap, read_model};
-use solidtrace::material::{Fresnel, Material, Surface};
+use solidtrace::material::{Fresnel, Material, Principled, Surface};
 use solidtrace::texture::{Bitmap, Texture};
 
 use super::{Files, mutate};
@@ -27,10 +27,7 @@ fn diffuse(r: f32, g: f32, b: f32) -> Surface {
 }
 
 fn glass(ior: f32) -> Surface {
-    Surface::Dielectric {
-        ior,
-        fresnel: Fresnel::Exact,
-    }
+    Surface::glass(ior)
 }
 
 /// Two pixels: sRGB (0, 128, 255) and (255, 0, 51).
@@ -87,6 +84,39 @@ fn illumination_models_and_transparency_choose_mirror_and_glass() {
         surface("Kd 0.5\nd 1\nTr 1\nNi 1.45"),
         diffuse(0.5, 0.5, 0.5)
     );
+}
+
+#[test]
+fn highlights_roughness_and_metal_become_principled() {
+    let principled = |statements: &str| match surface(statements) {
+        Surface::Principled(principled) => *principled,
+        other => panic!("{other:?}"),
+    };
+    // GGX of alpha² = 2 / (Ns + 2), and half of white Ks for what glTF calls 1.
+    let gloss = principled("Kd 0.5\nKs 0.25\nNs 30\nillum 2");
+    let expected = Principled {
+        roughness: 0.0625_f32.powf(0.25).into(),
+        specular_color: Texture::Constant(Rgb::splat(0.5)),
+        ..Principled::new(Texture::Constant(Rgb::splat(0.5)))
+    };
+    assert_eq!(gloss, expected);
+    let metal = principled("Kd 1 0.5 0\nPm 1\nPr 0.3");
+    assert_eq!((metal.metallic, metal.roughness), (1.0.into(), 0.3.into()));
+    assert_eq!(metal.specular_color, Texture::Constant(Rgb::ONE));
+    assert_eq!(principled("Kd 1\nPr 0.3\nKs 1\nNs 5").roughness, 0.3.into());
+    // Without a highlight it stays matt.
+    assert_eq!(
+        surface("Kd 0.5\nKs 1\nNs 30\nillum 1"),
+        diffuse(0.5, 0.5, 0.5)
+    );
+    assert_eq!(surface("Kd 0.5\nKs 0 0 0\nNs 30"), diffuse(0.5, 0.5, 0.5));
+    let frosted = Surface::Dielectric {
+        ior: 1.5,
+        fresnel: Fresnel::Exact,
+        roughness: 0.4.into(),
+        absorption: Rgb::ZERO,
+    };
+    assert_eq!(surface("Ni 1.5\nillum 7\nPr 0.4"), frosted);
 }
 
 #[test]

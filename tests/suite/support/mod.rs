@@ -13,7 +13,7 @@ use solidtrace::film::{Filter, PixelSum};
 use solidtrace::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use solidtrace::integrator::{Integrator, integrator};
 use solidtrace::light::PointLight;
-use solidtrace::material::{Material, MaterialId, Surface};
+use solidtrace::material::{Fresnel, Material, MaterialId, Surface};
 use solidtrace::math::Transform;
 use solidtrace::render::{RenderSettings, render};
 use solidtrace::sampling::SamplerKind;
@@ -63,6 +63,16 @@ pub fn camera(eye: DVec3, look_at: DVec3) -> Camera {
 pub fn diffuse(albedo: f32) -> Surface {
     Surface::Diffuse {
         color: Texture::Constant(Rgb::splat(albedo)),
+    }
+}
+
+/// A smooth boundary of clear glass with the given reflectance.
+pub fn dielectric(ior: f32, fresnel: Fresnel) -> Surface {
+    Surface::Dielectric {
+        ior,
+        fresnel,
+        roughness: 0.0.into(),
+        absorption: Rgb::ZERO,
     }
 }
 

@@ -155,7 +155,7 @@ fn a_transform_moves_a_texture_as_it_moves_an_object() {
     });
     let moved = Texture::Transform {
         of: Arc::new(pattern.clone()),
-        texture_from_object: Transform::new(place).unwrap().inverse(),
+        texture_from_object: Box::new(Transform::new(place).unwrap().inverse()),
     };
     for p in PLACES {
         let there = moved.eval_scalar(&at(place.transform_point3(p)));
@@ -169,7 +169,7 @@ fn a_transform_moves_a_texture_as_it_moves_an_object() {
     );
     let squares = Texture::Transform {
         of: Arc::new(grey(Pattern::UvChecker { step: 0.5 })),
-        texture_from_object: Transform::new(place).unwrap().inverse(),
+        texture_from_object: Box::new(Transform::new(place).unwrap().inverse()),
     };
     assert_eq!(squares.eval_scalar(&at_uv(1.2, 0.5)), 0.0);
     assert_eq!(squares.eval_scalar(&at_uv(1.3, 0.5)), 1.0);

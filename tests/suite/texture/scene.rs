@@ -287,3 +287,21 @@ fn values_that_make_no_sense_are_errors() {
     assert!(error.to_string().contains("not a picture"), "{error}");
     assert!(error.place().unwrap().file.ends_with("text.png"));
 }
+
+#[test]
+fn pictures_are_colours_where_colours_are_meant_and_data_where_numbers_are() {
+    let found = materials(
+        "\"t\": Image(file: \"a.png\")",
+        "\"m\": Plastic(color: \"t\", roughness: \"t\")",
+    );
+    let Surface::Plastic {
+        color, roughness, ..
+    } = &found.unwrap()[0].surface
+    else {
+        panic!("no plastic");
+    };
+    let point = at(DVec3::ZERO);
+    // Half of red is little light, and as a number half.
+    assert!((color.eval(&point).x - 0.215_860_5).abs() < 1e-6);
+    assert!((roughness.eval(&point).x - 128.0 / 255.0).abs() < 1e-6);
+}

@@ -1,15 +1,13 @@
-//! Scattering at one point.
+//! Shading normals that are not the surface's.
 
-use glam::{DVec3, Vec2, Vec3};
-use solidtrace::bsdf::Bsdf;
+use glam::{Vec2, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::material::Surface;
 use solidtrace::sampling::{Sampler, uniform_sphere};
-use solidtrace::texture::{Texture, TexturePoint};
+use solidtrace::texture::Texture;
 
+use super::{NG, bsdf};
 use crate::support::{SAMPLERS, diffuse};
-
-const NG: Vec3 = Vec3::Z;
 
 /// Shading normals up to 80 degrees from the geometric one.
 fn bent_normals() -> impl Iterator<Item = Vec3> {
@@ -17,20 +15,6 @@ fn bent_normals() -> impl Iterator<Item = Vec3> {
         let (sin, cos) = degrees.to_radians().sin_cos();
         Vec3::new(0.6 * sin, 0.8 * sin, cos)
     })
-}
-
-fn bsdf(surface: &Surface, ns: Vec3, side: f32) -> Bsdf {
-    let point = TexturePoint {
-        p: DVec3::ZERO,
-        n: DVec3::Z,
-        uv: Vec2::ZERO,
-    };
-    let eta = match surface {
-        Surface::Dielectric { ior, .. } if side > 0.0 => *ior,
-        Surface::Dielectric { ior, .. } => 1.0 / ior,
-        _ => 1.0,
-    };
-    Bsdf::new(surface, &point, NG, ns, side, eta)
 }
 
 /// Directions spread evenly over the sphere by a lattice, each for the same solid angle.
@@ -50,7 +34,7 @@ fn a_density_integrates_to_one_over_its_side_however_the_normal_is_bent() {
             let count = 200_000;
             let mut sum = 0.0;
             for wi in sphere(count) {
-                let (f_cos, pdf) = bsdf.eval(wi);
+                let (f_cos, pdf) = bsdf.eval(Vec3::Z, wi);
                 assert!((f_cos - 0.5 * pdf).abs().max_element() <= 1e-6);
                 assert!(
                     pdf == 0.0 || side * wi.dot(NG) > 0.0,
@@ -76,14 +60,14 @@ fn directions_come_with_the_density_that_is_said() {
             let drawn = (0..count).map(|i| {
                 let [u, v, pick, _] = Sampler::new(SAMPLERS[0], 4, (0, 0), i).set(0);
                 let sample = bsdf.sample(Vec3::Z, pick, Vec2::new(u, v)).unwrap();
-                let (f_cos, pdf) = bsdf.eval(sample.wi);
+                let (f_cos, pdf) = bsdf.eval(Vec3::Z, sample.wi);
                 assert!((sample.pdf - pdf).abs() <= 1e-5 * pdf);
                 assert!((f_cos - sample.weight * pdf).abs().max_element() <= 1e-6);
                 f64::from(f(sample.wi))
             });
             let drawn = drawn.sum::<f64>() / f64::from(count);
             let integral: f64 = sphere(400_000)
-                .map(|w| f64::from(f(w) * bsdf.eval(w).1))
+                .map(|w| f64::from(f(w) * bsdf.eval(Vec3::Z, w).1))
                 .sum();
             let integral = integral * 4.0 * std::f64::consts::PI / 400_000.0;
             assert!((drawn - integral).abs() < 2e-3, "{ns}: {drawn} {integral}");
