@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::{Shape, Solid};
@@ -156,9 +156,8 @@ fn frame(scene: &mut Scene) {
         eye,
         look_at: eye + focus * forward,
         up: DVec3::Y,
-        vfov: VFOV,
-        aperture: 0.0,
-        focus: None,
+        projection: Projection::pinhole(VFOV),
+        motion: None,
     });
 }
 
