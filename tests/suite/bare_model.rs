@@ -1,7 +1,7 @@
 //! A model without a scene around it is stood up, framed and lit.
 
 use glam::{DVec3, Vec3};
-use solidtrace::camera::Camera;
+use solidtrace::camera::{Camera, Projection};
 use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::io::bare_scene;
 use solidtrace::light::PointLight;
@@ -46,7 +46,7 @@ fn project(scene: &Scene, p: DVec3) -> (f64, f64, f64) {
     let up = right.cross(forward);
     let v = p - camera.eye;
     let depth = v.dot(forward);
-    let half = depth * (0.5 * camera.vfov).tan();
+    let half = depth * (0.5 * camera.projection.field().unwrap()).tan();
     let aspect = f64::from(scene.film.size.0) / f64::from(scene.film.size.1);
     (v.dot(right) / (half * aspect), v.dot(up) / half, depth)
 }
@@ -240,9 +240,8 @@ fn own_cameras_and_lights_are_kept() {
         eye: DVec3::new(0.0, 1.0, 9.0),
         look_at: DVec3::ZERO,
         up: DVec3::Y,
-        vfov: 0.5,
-        aperture: 0.0,
-        focus: None,
+        projection: Projection::pinhole(0.5),
+        motion: None,
     };
     let light = PointLight {
         position: DVec3::Y,
