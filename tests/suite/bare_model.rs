@@ -1,5 +1,7 @@
 //! A model without a scene around it is stood up, framed and lit.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec3, Vec3};
 use solidtrace::camera::{Camera, Projection};
 use solidtrace::geometry::{Mesh, Shape, Solid};
@@ -135,6 +137,16 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
     for mesh in shapes() {
         let scene = bare_scene(model(mesh), false).unwrap();
         assert_eq!(lamps(&scene).len(), 3);
+        // Nor while a turntable turns.
+        let views = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| {
+            let camera = scene.cameras[0].turned(f64::from(i) * TAU / 9.0);
+            let film = scene.film.clone();
+            Scene {
+                film,
+                cameras: vec![camera],
+                ..Scene::default()
+            }
+        });
         for (lamp, radius) in lamps(&scene) {
             for i in 0..40 {
                 for j in 0..80 {
@@ -145,11 +157,13 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
                         theta.sin() * phi.sin(),
                     );
                     let p = lamp.world_from_object.point(radius * n);
-                    let (x, y, depth) = project(&scene, p);
-                    assert!(
-                        depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0,
-                        "lamp at {x}, {y}"
-                    );
+                    for view in &views {
+                        let (x, y, depth) = project(view, p);
+                        assert!(
+                            depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0,
+                            "lamp at {x}, {y}"
+                        );
+                    }
                 }
             }
             let center = lamp.world_from_object.point(DVec3::ZERO);

@@ -17,7 +17,7 @@ use crate::render::{RenderSettings, render};
 use super::super::progress::{Progress, catch_interrupts};
 use super::super::values::{MOST_FRAMES, parse_frames};
 use super::super::{INTERRUPTED, is_png};
-use super::{RenderArgs, for_looking, names, report_bad, speed};
+use super::{RenderArgs, for_looking, report_bad, speed};
 
 #[derive(Args)]
 pub(super) struct FilmArgs {
@@ -148,7 +148,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
         let rendered = render(&world, &lens, integrator.as_ref(), &settings, &progress)?;
         if !rendered.complete {
             progress.finish();
-            eprintln!("interrupted at frame {}: {}", shot.number, args.remains());
+            let rest = match (outputs.is_empty(), args.force) {
+                (true, _) => "no film is left; with --png NAME.png it could go on later",
+                (_, true) => "those before it are there; without --force the rest follows",
+                (_, false) => "those before it are there; the same command goes on with the rest",
+            };
+            eprintln!("interrupted at frame {}: {rest}", shot.number);
             return Ok(ExitCode::from(INTERRUPTED));
         }
         report_bad(&rendered);
@@ -167,18 +172,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     progress.finish();
 
-    let mut made: Vec<String> = Vec::new();
-    if let [first, .., last] = &shots[..] {
-        let files = first.files.iter().zip(&last.files);
-        made.extend(files.map(|(a, b)| format!("{} to {}", a.display(), b.display())));
-    } else {
-        made.extend(
-            shots
-                .iter()
-                .map(|shot| names(&shot.files))
-                .filter(|n| !n.is_empty()),
-        );
-    }
+    let mut made = file_names(&shots);
     if let Some((video, asked)) = video {
         let path = video.path().to_owned();
         video.finish()?;
@@ -205,17 +199,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-impl RenderArgs {
-    /// What is left of an interrupted film.
-    fn remains(&self) -> &'static str {
-        match (self.output.is_some() || self.png.is_some(), self.force) {
-            (false, _) if self.film.frames.is_none() || self.film.video.is_some() => {
-                "no film was written; with numbered files, as --png NAME.png, it could go on later"
-            }
-            (_, true) => "the files before it are there; without --force the rest follows",
-            (_, false) => "the files before it are there; the same command goes on with the rest",
-        }
-    }
+/// The first and last file of each kind.
+fn file_names(shots: &[Shot]) -> Vec<String> {
+    let (first, last) = (shots.first(), shots.last());
+    let pairs = (first.zip(last))
+        .into_iter()
+        .flat_map(|(a, b)| a.files.iter().zip(&b.files));
+    pairs
+        .map(|(first, last)| format!("{} to {}", first.display(), last.display()))
+        .collect()
 }
 
 impl Shot {
