@@ -143,6 +143,43 @@ fn frames_that_exist_are_kept_and_the_missing_ones_follow() {
 }
 
 #[test]
+fn an_interrupted_film_keeps_its_whole_frames_and_goes_on_with_the_rest() {
+    let folder = folder();
+    let film = "render pass.ron --frames 0..60 --spp 256 --png out.png --video film.png";
+    // What runs in the background of a script inherits that interrupts are ignored, and keeps to it.
+    let child = Command::new("env")
+        .args(["--default-signal=INT", env!("CARGO_BIN_EXE_solidtrace")])
+        .args(film.split(' '))
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.path().join("out_0001.png").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    let interrupt = Command::new("kill").args(["-INT", &id]).status();
+    assert!(interrupt.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(
+        said.contains("the same command goes on with the rest"),
+        "{said}"
+    );
+    let there = names(folder.path());
+    let expected = (0..there.len()).map(|i| format!("out_{i:04}.png"));
+    assert_eq!(there, expected.collect::<Vec<_>>());
+    assert!((2..60).contains(&there.len()));
+    let said = succeeds(command(folder.path(), film));
+    assert!(
+        said.contains(&format!("of which {} were there", there.len())),
+        "{said}"
+    );
+    assert_eq!(read_apng(&folder.path().join("film.png")).2.len(), 60);
+}
+
+#[test]
 fn an_animated_png_has_every_frame_at_its_rate() {
     let folder = folder();
     succeeds(command(

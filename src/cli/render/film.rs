@@ -14,7 +14,7 @@ use crate::integrator::integrator;
 use crate::io::{Video, VideoSettings, check_image_path, read_bitmap, screen_bytes};
 use crate::render::{RenderSettings, render};
 
-use super::super::progress::{Progress, catch_interrupts};
+use super::super::progress::{Progress, catch_interrupts, interrupted};
 use super::super::values::{MOST_FRAMES, parse_frames};
 use super::super::{INTERRUPTED, is_png};
 use super::{RenderArgs, for_looking, report_bad, speed};
@@ -146,7 +146,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
         };
         let lens = shot.camera.lens(size)?;
         let rendered = render(&world, &lens, integrator.as_ref(), &settings, &progress)?;
-        if !rendered.complete {
+        report_bad(&rendered);
+        rays += rendered.rays;
+        time += rendered.time;
+        let mut image = rendered.film.to_image();
+        image.metadata = args.metadata(scene, &shot.camera, &settings, &rendered);
+        let number = ("frame".to_owned(), shot.number.to_string());
+        image.metadata.push(number);
+        if rendered.complete {
+            args.write(scene, &image, &shot.missing)?;
+        }
+        // Ctrl-C reaches ffmpeg as well: whatever is complete, the film is not.
+        if !rendered.complete || interrupted() {
             progress.finish();
             let rest = match (outputs.is_empty(), args.force) {
                 (true, _) => "no film is left; with --png NAME.png it could go on later",
@@ -156,14 +167,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
             eprintln!("interrupted at frame {}: {rest}", shot.number);
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        report_bad(&rendered);
-        rays += rendered.rays;
-        time += rendered.time;
-        let mut image = rendered.film.to_image();
-        image.metadata = args.metadata(scene, &shot.camera, &settings, &rendered);
-        let number = ("frame".to_owned(), shot.number.to_string());
-        image.metadata.push(number);
-        args.write(scene, &image, &shot.missing)?;
         if let Some((video, _)) = &mut video {
             let shown = for_looking(&scene.integrator, &image);
             let shown = shown.as_ref().unwrap_or(&image);
