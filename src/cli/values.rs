@@ -13,10 +13,27 @@ pub(super) fn parse_size(text: &str) -> Parsed<(u32, u32)> {
 }
 
 pub(super) fn parse_samples(text: &str) -> Parsed<(u32, u32)> {
-    text.split_once("..")
-        .and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)))
-        .filter(|(a, b)| a < b)
-        .ok_or_else(|| "expected a first sample and a larger end, as 0..64".to_owned())
+    range(text).ok_or_else(|| "expected a first sample and a larger end, as 0..64".to_owned())
+}
+
+/// Most frames of a film: more than an hour.
+pub(super) const MOST_FRAMES: u32 = 100_000;
+
+pub(super) fn parse_frames(text: &str) -> Parsed<(u32, u32)> {
+    range(text)
+        .filter(|(a, b)| b - a <= MOST_FRAMES)
+        .ok_or_else(|| {
+            format!(
+                "expected a first frame and a larger end, as 0..48, at most {MOST_FRAMES} apart"
+            )
+        })
+}
+
+/// `A..B` with `A` below `B`.
+fn range(text: &str) -> Option<(u32, u32)> {
+    let (a, b) = text.split_once("..")?;
+    let range = (a.parse().ok()?, b.parse().ok()?);
+    (range.0 < range.1).then_some(range)
 }
 
 pub(super) fn parse_crop(text: &str) -> Parsed<[u32; 4]> {

@@ -8,6 +8,78 @@ use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
 
+/// A file in the making: a temporary one in the folder of its place, gone if it is dropped.
+pub(super) struct Pending {
+    file: NamedTempFile,
+    /// As the caller says it.
+    path: PathBuf,
+    /// Where that leads.
+    target: PathBuf,
+    overwrite: bool,
+}
+
+impl Pending {
+    /// # Errors
+    /// As [`write_atomically`].
+    pub(super) fn new(path: &Path, overwrite: bool) -> Result<Self> {
+        let target = resolve(path, overwrite)?;
+        let file = create_beside(&target).map_err(|cause| Error::write(path, cause))?;
+        Ok(Self {
+            file,
+            path: path.to_owned(),
+            target,
+            overwrite,
+        })
+    }
+
+    /// The temporary file.
+    pub(super) fn file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Where the temporary file is, for other programs.
+    pub(super) fn temporary(&self) -> &Path {
+        self.file.path()
+    }
+
+    /// Where it is to be.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Flushes it to the disk and gives it its name.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub(super) fn keep(self) -> Result<()> {
+        let Self {
+            file, path, target, ..
+        } = self;
+        let failed = |cause: std::io::Error| Error::write(&path, cause);
+        if let Ok(old) = fs::metadata(&target) {
+            file.as_file()
+                .set_permissions(old.permissions())
+                .map_err(failed)?;
+        }
+        file.as_file().sync_all().map_err(failed)?;
+        if self.overwrite {
+            file.persist(&target).map_err(|e| failed(e.error))?;
+        } else {
+            // The file may have come into being since `resolve` looked.
+            file.persist_noclobber(&target)
+                .map_err(|e| match e.error.kind() {
+                    std::io::ErrorKind::AlreadyExists => exists(&path),
+                    _ => failed(e.error),
+                })?;
+        }
+        // The file is whole and in its place. Not every file system can flush a folder: that is no failure.
+        if cfg!(unix) {
+            let _ = File::open(folder(&target)).and_then(|folder| folder.sync_all());
+        }
+        Ok(())
+    }
+}
+
 /// Writes `bytes` to `path`: to a temporary file in the same folder, flushed to the disk, then renamed.
 /// Whatever fails, an old file keeps its content, and no reader ever sees half a file.
 /// A new file gets the permissions the user's umask asks for, a replaced one keeps its own;
@@ -17,32 +89,9 @@ use crate::error::{Error, Result};
 /// Where the folder does not take the file, or something is at `path` that must not be replaced:
 /// a file unless `overwrite`, and anything that is not a regular file.
 pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: bool) -> Result<()> {
-    let target = resolve(path, overwrite)?;
-    let failed = |cause: std::io::Error| Error::write(path, cause);
-
-    let mut file = create_beside(&target).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    if let Ok(old) = fs::metadata(&target) {
-        file.as_file()
-            .set_permissions(old.permissions())
-            .map_err(failed)?;
-    }
-    file.as_file().sync_all().map_err(failed)?;
-    if overwrite {
-        file.persist(&target).map_err(|e| failed(e.error))?;
-    } else {
-        // The file may have come into being since `resolve` looked.
-        file.persist_noclobber(&target)
-            .map_err(|e| match e.error.kind() {
-                std::io::ErrorKind::AlreadyExists => exists(path),
-                _ => failed(e.error),
-            })?;
-    }
-    // The file is whole and in its place. Not every file system can flush a folder: that is no failure.
-    if cfg!(unix) {
-        let _ = File::open(folder(&target)).and_then(|folder| folder.sync_all());
-    }
-    Ok(())
+    let pending = Pending::new(path, overwrite)?;
+    (pending.file().write_all(bytes)).map_err(|cause| Error::write(path, cause))?;
+    pending.keep()
 }
 
 /// Finds out before a long render whether [`write_atomically`] can succeed, and leaves nothing behind.
@@ -50,9 +99,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: bool) -> Result<()
 /// # Errors
 /// As [`write_atomically`].
 pub fn check_writable(path: &Path, overwrite: bool) -> Result<()> {
-    let target = resolve(path, overwrite)?;
-    create_beside(&target).map_err(|cause| Error::write(path, cause))?;
-    Ok(())
+    Pending::new(path, overwrite).map(drop)
 }
 
 /// Where `path` leads, once it is clear that it may be written.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::{Shape, Solid};
@@ -23,8 +23,9 @@ const MARGIN: f64 = 0.08;
 /// What lies around the studio.
 const ENVIRONMENT: f32 = 0.25;
 /// The lamps: degrees from the camera to the right and above the horizon, and the irradiance, in units of pi, on a
-/// surface that faces the lamp. Key, fill, rim.
-const LAMPS: [(f64, f64, f32); 3] = [(-55.0, 48.0, 0.65), (60.0, 30.0, 0.1), (160.0, 55.0, 0.4)];
+/// surface that faces the lamp. Key, fill, rim. All are higher than the camera, whose picture ends below the
+/// horizon: so none is in it, from whichever side.
+const LAMPS: [(f64, f64, f32); 3] = [(-55.0, 48.0, 0.65), (60.0, 40.0, 0.1), (160.0, 55.0, 0.4)];
 /// Distance and radius of a lamp, in radii of the model. Both scale with it, and so the exposure does not.
 const LAMP_DISTANCE: f64 = 3.4;
 const LAMP_RADIUS: f64 = 0.8;
@@ -156,9 +157,8 @@ fn frame(scene: &mut Scene) {
         eye,
         look_at: eye + focus * forward,
         up: DVec3::Y,
-        vfov: VFOV,
-        aperture: 0.0,
-        focus: None,
+        projection: Projection::pinhole(VFOV),
+        motion: None,
     });
 }
 

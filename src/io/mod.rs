@@ -15,16 +15,18 @@ mod rays;
 mod resolve;
 mod scene_file;
 mod texture;
+mod video;
 
 pub use atomic::{check_writable, write_atomically};
 pub use bare::bare_scene;
 pub use exr::{Precision, decode_exr, encode_exr, read_exr};
 pub use model::read_model;
 pub use picture::{WriteOptions, check_image_path, write_image};
-pub use png::encode_png;
+pub use png::{encode_png, screen_bytes};
 pub use rays::{HitRecord, RayReader, write_blocked, write_hit_header, write_hits};
 pub use resolve::{OpenMeshOperands, ReadOptions, read_scene};
 pub use texture::read_bitmap;
+pub use video::{Video, VideoSettings};
 
 use std::path::Path;
 

@@ -1,5 +1,7 @@
 //! Pictures for the screen: 8-bit RGB PNG.
 
+use std::io::Write;
+
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, ScaledFloat, SrgbRenderingIntent};
 use rayon::prelude::*;
@@ -8,14 +10,28 @@ use crate::color::Tonemap;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Image;
 
-/// Encodes the channels `R`, `G`, `B` as 8-bit PNG. Each value goes through the curve, is clipped and rounded
-/// to the nearest of 255 steps, without dither; what is not a number becomes 0. The header names the curve
+/// Encodes the channels `R`, `G`, `B` as 8-bit PNG, by [`screen_bytes`]. The header names the curve
 /// (`sRGB`, or `gAMA` for a power), and the metadata is written as text.
 ///
 /// # Errors
 /// Where a channel is missing, the image is empty or too large for the format, or a metadata name has not
 /// 1 to 79 Latin-1 characters.
 pub fn encode_png(image: &Image, tonemap: Tonemap) -> Result<Vec<u8>> {
+    let pixels = screen_bytes(image, tonemap)?;
+    write_png(image, tonemap, &pixels).map_err(|cause| {
+        Error::new(
+            ErrorKind::Write,
+            format!("the image does not fit into a PNG: {cause}"),
+        )
+    })
+}
+
+/// Three bytes a pixel, row by row: each value goes through the curve, is clipped and rounded to the nearest of 255
+/// steps, without dither; what is not a number becomes 0.
+///
+/// # Errors
+/// Where a channel is missing, or the image is empty.
+pub fn screen_bytes(image: &Image, tonemap: Tonemap) -> Result<Vec<u8>> {
     image.validate()?;
     let channel = |name: &str| {
         image.channel(name).ok_or_else(|| {
@@ -35,12 +51,7 @@ pub fn encode_png(image: &Image, tonemap: Tonemap) -> Result<Vec<u8>> {
         .for_each(|(pixel, ((&r, &g), &b))| {
             pixel.copy_from_slice(&[byte(r), byte(g), byte(b)]);
         });
-    write_png(image, tonemap, &pixels).map_err(|cause| {
-        Error::new(
-            ErrorKind::Write,
-            format!("the image does not fit into a PNG: {cause}"),
-        )
-    })
+    Ok(pixels)
 }
 
 /// A curve from numbers to bytes that never falls, as a table: the same bytes, sooner than by powers.
@@ -103,7 +114,19 @@ fn write_png(
 ) -> std::result::Result<Vec<u8>, png::EncodingError> {
     let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, side(image.width), side(image.height));
+    let size = (side(image.width), side(image.height));
+    let mut writer = encoder(&mut bytes, size, tonemap).write_header()?;
+    for (name, value) in &image.metadata {
+        writer.write_text_chunk(&ITXtChunk::new(name, value))?;
+    }
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// For 8-bit RGB that went through a curve.
+pub(super) fn encoder<W: Write>(to: W, size: (u32, u32), tonemap: Tonemap) -> Encoder<'static, W> {
+    let mut encoder = Encoder::new(to, size.0, size.1);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     match tonemap {
@@ -113,11 +136,5 @@ fn write_png(
     }
     // Of a noisy picture a higher level takes off a thousandth, in half as much time again.
     encoder.set_deflate_compression(DeflateCompression::Level(4));
-    let mut writer = encoder.write_header()?;
-    for (name, value) in &image.metadata {
-        writer.write_text_chunk(&ITXtChunk::new(name, value))?;
-    }
-    writer.write_image_data(pixels)?;
-    writer.finish()?;
-    Ok(bytes)
+    encoder
 }

@@ -1,7 +1,9 @@
 //! A model without a scene around it is stood up, framed and lit.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec3, Vec3};
-use solidtrace::camera::Camera;
+use solidtrace::camera::{Camera, Projection};
 use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::io::bare_scene;
 use solidtrace::light::PointLight;
@@ -46,7 +48,7 @@ fn project(scene: &Scene, p: DVec3) -> (f64, f64, f64) {
     let up = right.cross(forward);
     let v = p - camera.eye;
     let depth = v.dot(forward);
-    let half = depth * (0.5 * camera.vfov).tan();
+    let half = depth * (0.5 * camera.projection.field().unwrap()).tan();
     let aspect = f64::from(scene.film.size.0) / f64::from(scene.film.size.1);
     (v.dot(right) / (half * aspect), v.dot(up) / half, depth)
 }
@@ -135,6 +137,16 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
     for mesh in shapes() {
         let scene = bare_scene(model(mesh), false).unwrap();
         assert_eq!(lamps(&scene).len(), 3);
+        // Nor while a turntable turns.
+        let views = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| {
+            let camera = scene.cameras[0].turned(f64::from(i) * TAU / 9.0);
+            let film = scene.film.clone();
+            Scene {
+                film,
+                cameras: vec![camera],
+                ..Scene::default()
+            }
+        });
         for (lamp, radius) in lamps(&scene) {
             for i in 0..40 {
                 for j in 0..80 {
@@ -145,11 +157,13 @@ fn no_lamp_shows_in_the_picture_or_touches_the_model() {
                         theta.sin() * phi.sin(),
                     );
                     let p = lamp.world_from_object.point(radius * n);
-                    let (x, y, depth) = project(&scene, p);
-                    assert!(
-                        depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0,
-                        "lamp at {x}, {y}"
-                    );
+                    for view in &views {
+                        let (x, y, depth) = project(view, p);
+                        assert!(
+                            depth < 0.0 || x.abs() > 1.0 || y.abs() > 1.0,
+                            "lamp at {x}, {y}"
+                        );
+                    }
                 }
             }
             let center = lamp.world_from_object.point(DVec3::ZERO);
@@ -240,9 +254,8 @@ fn own_cameras_and_lights_are_kept() {
         eye: DVec3::new(0.0, 1.0, 9.0),
         look_at: DVec3::ZERO,
         up: DVec3::Y,
-        vfov: 0.5,
-        aperture: 0.0,
-        focus: None,
+        projection: Projection::pinhole(0.5),
+        motion: None,
     };
     let light = PointLight {
         position: DVec3::Y,

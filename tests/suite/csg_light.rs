@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DMat3, DVec3};
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Csg, CsgOp, Operand, Solid};
 use solidtrace::material::{MaterialId, Surface};
@@ -87,7 +88,7 @@ fn furnished(albedo: f32, emission: f32, environment: f32) -> Scene {
         DVec3::new(0.2, 0.3, 3.4),
         DVec3::new(0.0, 0.0, -1.0),
     )];
-    scene.cameras[0].vfov = 75_f64.to_radians();
+    scene.cameras[0].projection = Projection::pinhole(75_f64.to_radians());
     scene.film.size = (12, 12);
     let wall = scene.material(diffuse(albedo), emission);
     scene.csg(room(), &[wall], DAffine3::IDENTITY);

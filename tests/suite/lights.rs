@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec2, Vec3};
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Solid};
 use solidtrace::integrator::{CameraRay, Integrator};
@@ -23,7 +24,7 @@ fn floor(x: f64) -> Scene {
     scene.film.size = (2, 2);
     let target = DVec3::new(x, 0.0, 0.0);
     let mut camera = camera(target + DVec3::new(3.0, 1.0, 4.0), target);
-    camera.vfov = 1e-6;
+    camera.projection = Projection::pinhole(1e-6);
     scene.cameras = vec![camera];
     scene.integrator = IntegratorSettings::Path {
         max_depth: Some(1),
@@ -161,7 +162,7 @@ fn room() -> Scene {
     let mut scene = empty_scene();
     scene.film.size = (12, 12);
     let mut camera = camera(DVec3::new(0.0, 0.0, 55.0), DVec3::ZERO);
-    camera.vfov = 60_f64.to_radians();
+    camera.projection = Projection::pinhole(60_f64.to_radians());
     scene.cameras = vec![camera];
     let white = scene.material(diffuse(0.7), 0.0);
     let lamp = scene.material(diffuse(0.0), 20.0);

@@ -1,6 +1,7 @@
 //! Surfaces in scenes: as files write them, and as light meets them.
 
 use glam::{DVec3, Vec3};
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::geometry::Solid;
 use solidtrace::material::{Fresnel, Metal, Principled, Roughness, Surface, absorption};
@@ -350,7 +351,7 @@ fn light_dies_away_in_an_absorbing_ball_as_beer_says() {
         scene.integrator = integrator;
         scene.environment = Rgb::ONE;
         let mut eye = camera(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO);
-        eye.vfov = 1_f64.to_radians();
+        eye.projection = Projection::pinhole(1_f64.to_radians());
         scene.cameras = vec![eye];
         let ball = scene.material(absorbing(sigma), 0.0);
         scene.solid(Solid::Sphere { radius: 1.0 }, ball, DVec3::ZERO);
@@ -369,7 +370,7 @@ fn light_that_is_aimed_at_is_attenuated_on_its_way_too() {
     let sigma = Rgb::new(0.0, 0.5, 1.0);
     let mut scene = empty_scene();
     scene.cameras = vec![camera(DVec3::new(0.0, 2.0, 0.0), DVec3::ZERO)];
-    scene.cameras[0].vfov = 1_f64.to_radians();
+    scene.cameras[0].projection = Projection::pinhole(1_f64.to_radians());
     let clear = scene.material(absorbing(sigma), 0.0);
     scene.solid(Solid::Sphere { radius: 9.0 }, clear, DVec3::ZERO);
     let floor = scene.material(diffuse(0.5), 0.0);
@@ -397,7 +398,7 @@ fn whitted_shows_what_a_smooth_coat_reflects() {
     scene.integrator = IntegratorSettings::whitted();
     scene.environment = Rgb::ONE;
     scene.cameras = vec![camera(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO)];
-    scene.cameras[0].vfov = 1_f64.to_radians();
+    scene.cameras[0].projection = Projection::pinhole(1_f64.to_radians());
     let plastic = scene.material(
         Surface::Plastic {
             color: Texture::Constant(Vec3::splat(0.5)),

@@ -273,7 +273,7 @@ fn misspelt_names_get_a_suggestion() {
         "film: (tonemap: «sRGB)",
         &["`sRGB`", "did you mean `Srgb`?"],
     );
-    camera_fails("«Orthographic()", &["`Orthographic`", "Perspective"]);
+    camera_fails("«Fisheye()", &["`Fisheye`", "Perspective"]);
 }
 
 #[test]
@@ -458,6 +458,44 @@ fn settings_must_be_in_range() {
     setting_fails(
         "integrator: Normals(«radius: 1)",
         &["`Normals` has no field `radius`"],
+    );
+}
+
+#[test]
+fn motions_must_be_possible() {
+    let keys = |keys: &str| {
+        format!(
+            "Perspective(eye: (0, 0, 9), look_at: (0, 0, 0), vfov: 45, motion: Smooth(keys: [{keys}]))"
+        )
+    };
+    camera_fails(&keys("(frame: 3), (frame: «3)"), &["`3`", "key before, 3"]);
+    camera_fails(&keys("(frame: «-1)"), &["`frame` of `key`", "`-1`"]);
+    camera_fails(&keys("(frame: «1.5)"), &["`1.5`", "whole number"]);
+    camera_fails(&keys("«(eye: (0, 0, 1))"), &["field `frame`"]);
+    camera_fails(&keys("(frame: 0, «vfof: 3)"), &["did you mean `vfov`?"]);
+    camera_fails(&keys("(frame: 0, vfov: «180)"), &["`180`"]);
+    camera_fails(&keys("(frame: 0, look_at: «(0, 0, 9))"), &["looks nowhere"]);
+    camera_fails(
+        &keys("(frame: 0), «(frame: 1, eye: (0, 4, 0))"),
+        &["along its `up`", "give the key another"],
+    );
+    camera_fails(
+        "Panorama(eye: (0, 0, 9), look_at: (0, 0, 0), motion: Linear(keys: [(frame: 0, «vfov: 3)]))",
+        &["no field `vfov`"],
+    );
+    let camera = |rest: &str| format!("Orthographic(eye: (0, 0, 9), look_at: (0, 0, 0), {rest})");
+    camera_fails(
+        &camera("height: «0"),
+        &["`height` of `Orthographic`", "`0`"],
+    );
+    camera_fails(&camera("height: 1, «vfov: 9"), &["no field `vfov`"]);
+    camera_fails(
+        &camera("height: 1, motion: «Bezier(keys: [])"),
+        &["`Bezier`", "Linear"],
+    );
+    camera_fails(
+        &camera("height: 1, motion: Linear(keys: «[])"),
+        &["has no keys"],
     );
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use solidtrace::camera::Projection;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
@@ -165,11 +166,19 @@ fn settings_are_as_written() {
     let [first, near] = &d.cameras[..] else {
         panic!("{} cameras", d.cameras.len());
     };
-    assert_eq!((first.name.as_deref(), first.focus), (None, None));
+    assert_eq!(first.name, None);
     assert_eq!(first.eye, DVec3::new(0.0, 14.0, 55.0));
-    assert!((first.vfov - 0.698_131_700_797_731_8).abs() < 1e-15);
+    assert_eq!(
+        first.projection,
+        Projection::pinhole(0.698_131_700_797_731_8)
+    );
     assert_eq!(near.name.as_deref(), Some("near \"door\""));
-    assert_eq!((near.aperture, near.focus), (0.25, Some(4.0)));
+    let lens = Projection::Perspective {
+        vfov: 60.5_f64.to_radians(),
+        aperture: 0.25,
+        focus: Some(4.0),
+    };
+    assert_eq!(near.projection, lens);
     assert_eq!(near.up, DVec3::Y);
 }
 

@@ -37,7 +37,7 @@ const SUPPORTED: [&str; 11] = [
 ];
 
 /// Reads a glTF file: a mesh for each glTF mesh that the scene uses, a part for each node that has one,
-/// perspective cameras and point lights.
+/// cameras and point lights.
 ///
 /// # Errors
 /// Where the file or one that it names cannot be read, is malformed, requires an extension that is not known,
@@ -128,12 +128,8 @@ fn build(document: &Document<'_>, mut warnings: Vec<String>) -> Result<Model> {
             );
             continue;
         };
-        model.cameras.extend(node::camera(
-            root,
-            &node.json,
-            &world_from_node,
-            &mut warnings,
-        )?);
+        let camera = node::camera(root, &node.json, &world_from_node)?;
+        model.cameras.extend(camera);
         model.lights.extend(node::light(
             root,
             &node.json,

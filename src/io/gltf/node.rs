@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::light::PointLight;
@@ -90,7 +90,7 @@ fn local_matrix(node: &Json<'_>) -> Result<DAffine3> {
     ))
 }
 
-/// The camera of a node, if it has a perspective one: it looks along the node's -z axis.
+/// The camera of a node, if it has one: it looks along the node's -z axis.
 ///
 /// # Errors
 /// Where the camera's fields are missing or out of range.
@@ -98,31 +98,45 @@ pub(super) fn camera(
     root: &Json<'_>,
     node: &Json<'_>,
     world_from_node: &Transform,
-    warnings: &mut Vec<String>,
 ) -> Result<Option<Camera>> {
     let Some(reference) = node.get("camera")? else {
         return Ok(None);
     };
     let (_, camera) = root.element("cameras", &reference)?;
-    if camera.need("type")?.text()? != "perspective" {
-        warnings.push(camera.warning("only perspective cameras are read"));
-        return Ok(None);
-    }
-    let yfov = camera.need("perspective")?.need("yfov")?;
-    let vfov = yfov.number()?;
-    if vfov <= 0.0 || vfov >= std::f64::consts::PI {
-        return Err((yfov.error(format!("a field of view of {vfov} radians")))
-            .help("it must be above 0 and below pi"));
-    }
+    let kind = camera.need("type")?;
+    let projection = match kind.text()? {
+        "perspective" => {
+            let yfov = camera.need("perspective")?.need("yfov")?;
+            let vfov = yfov.number()?;
+            if vfov <= 0.0 || vfov >= std::f64::consts::PI {
+                return Err((yfov.error(format!("a field of view of {vfov} radians")))
+                    .help("it must be above 0 and below pi"));
+            }
+            Projection::pinhole(vfov)
+        }
+        "orthographic" => {
+            let ymag = camera.need("orthographic")?.need("ymag")?;
+            // Negative ones turn the picture round, which the format advises against.
+            let half = ymag.number()?.abs();
+            if !(half > 0.0 && half.is_finite()) {
+                return Err((ymag.error(format!("a picture of half the height {half}")))
+                    .help("it must be above 0"));
+            }
+            Projection::Orthographic { height: 2.0 * half }
+        }
+        other => {
+            return Err((kind.error(format!("`{other}` is no type of camera")))
+                .help("cameras are `perspective` or `orthographic`"));
+        }
+    };
     let eye = world_from_node.point(DVec3::ZERO);
     Ok(Some(Camera {
         name: camera.name().or_else(|| node.name()),
         eye,
         look_at: eye + world_from_node.vector(DVec3::NEG_Z).normalize(),
         up: world_from_node.vector(DVec3::Y).normalize(),
-        vfov,
-        aperture: 0.0,
-        focus: None,
+        projection,
+        motion: None,
     }))
 }
 

@@ -3,6 +3,7 @@
 //! The file becomes a tree whose nodes know their places, and the tree becomes a [`SceneDescription`], each value
 //! checked where it is read, so that every error can point at what it is about.
 
+mod camera;
 mod fields;
 mod materials;
 mod objects;
@@ -110,13 +111,13 @@ fn scene(root: &Node) -> tree::Result<SceneDescription> {
     let integrator = f.or("integrator", default.integrator, view::integrator)?;
     let environment = f.or("environment", default.environment, view::environment)?;
     let mut cameras = Vec::new();
-    cameras.extend(f.optional("camera", |node| view::camera(node, None))?);
+    cameras.extend(f.optional("camera", |node| camera::camera(node, None))?);
     cameras.extend(f.or("cameras", Vec::new(), |node| {
-        named(node, |name, node| view::camera(node, Some(&name.text)))
+        named(node, |name, node| camera::camera(node, Some(&name.text)))
     })?);
     if cameras.is_empty() {
         // Not there, or misspelt: this says which.
-        f.required("camera", |node| view::camera(node, None))?;
+        f.required("camera", |node| camera::camera(node, None))?;
     }
     let lights = f.or("lights", Vec::new(), |node| {
         node.items()?.iter().map(view::light).collect()

@@ -1,8 +1,5 @@
-//! What the picture is taken with: film, camera, integrator, environment and lights.
+//! What the picture is taken with: film, integrator, environment and lights.
 
-use glam::DVec3;
-
-use crate::camera::Camera;
 use crate::color::{Rgb, Tonemap};
 use crate::film::Filter;
 use crate::light::PointLight;
@@ -53,48 +50,6 @@ fn tonemap(node: &Node) -> Result<Tonemap> {
         "None" => choice.alone(Tonemap::None),
         _ => Err(choice.unknown("a curve", &["Srgb", "Gamma22", "None"])),
     }
-}
-
-pub(super) fn camera(node: &Node, name: Option<&str>) -> Result<Camera> {
-    let choice = Choice::of(node, "a camera")?;
-    if choice.name != "Perspective" {
-        return Err(choice.unknown("a camera", &["Perspective"]));
-    }
-    choice.record(|f| {
-        let eye = f.required("eye", Node::point)?;
-        let forward = |node: &Node| {
-            let look_at = node.point()?;
-            let axis = (look_at - eye).try_normalize();
-            axis.map(|axis| (look_at, axis))
-                .ok_or_else(|| node.refuse("is where the camera itself is: it looks nowhere"))
-        };
-        let (look_at, axis) = f.required("look_at", forward)?;
-        let upright = |node: &Node| {
-            let up = node.direction()?;
-            let level = axis.cross(up).length() > 1e-6;
-            (level.then_some(up)).ok_or_else(|| node.refuse("lies along the view"))
-        };
-        let up = f.or("up", DVec3::Y, upright)?;
-        if axis.cross(up).length() <= 1e-6 {
-            return Err(choice
-                .fault("the camera looks straight along the y axis, which is its `up`")
-                .help("give it another `up`, as in `up: (0, 0, -1)`"));
-        }
-        Ok(Camera {
-            name: name.map(str::to_owned),
-            eye,
-            look_at,
-            up,
-            vfov: f.required("vfov", |node| {
-                let degrees = node.number()?;
-                let open = degrees > 0.0 && degrees < 180.0;
-                (open.then_some(degrees.to_radians()))
-                    .ok_or_else(|| node.refuse("degrees is not between 0 and 180"))
-            })?,
-            aperture: f.or("aperture", 0.0, Node::length_or_zero)?,
-            focus: f.optional("focus", Node::length)?,
-        })
-    })
 }
 
 pub(super) fn integrator(node: &Node) -> Result<IntegratorSettings> {

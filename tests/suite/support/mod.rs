@@ -7,7 +7,7 @@ pub mod leaks;
 pub mod meshes;
 
 use glam::{DAffine3, DVec3};
-use solidtrace::camera::Camera;
+use solidtrace::camera::{Camera, Projection};
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::{Filter, PixelSum};
 use solidtrace::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
@@ -54,9 +54,8 @@ pub fn camera(eye: DVec3, look_at: DVec3) -> Camera {
         eye,
         look_at,
         up: if straight_up { DVec3::Z } else { DVec3::Y },
-        vfov: 40_f64.to_radians(),
-        aperture: 0.0,
-        focus: None,
+        projection: Projection::pinhole(40_f64.to_radians()),
+        motion: None,
     }
 }
 

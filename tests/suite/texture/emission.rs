@@ -1,6 +1,7 @@
 //! Surfaces that emit by a texture.
 
 use glam::{DVec3, Vec2};
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::scene::{IntegratorSettings, Scene};
@@ -25,7 +26,7 @@ fn lit_floor(radiance: f32, texture: Option<Texture>) -> Scene {
     scene.mesh(panel, lamp);
     scene.cameras = vec![camera(DVec3::new(6.0, 0.0, 1.0), DVec3::new(0.5, 0.0, 0.0))];
     scene.cameras[0].up = DVec3::Z;
-    scene.cameras[0].vfov = 0.1;
+    scene.cameras[0].projection = Projection::pinhole(0.1);
     scene
 }
 

@@ -1,5 +1,6 @@
 use glam::DVec3;
 use serde_json::json;
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::scene::Model;
 
@@ -62,28 +63,27 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
     ]);
     document["cameras"] = json!([
         {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}},
-        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 1}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1.25, "zfar": 9, "znear": 1}},
     ]);
     document["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
         {"type": "directional"},
     ]}});
     let model = read(&files, &(document.clone(), binary.clone()));
-    assert_eq!(model.cameras.len(), 1);
+    assert_eq!(model.cameras.len(), 2);
+    let flat = Projection::Orthographic { height: 2.5 };
+    assert_eq!(model.cameras[1].projection, flat);
     let camera = &model.cameras[0];
     assert_eq!(camera.name.as_deref(), Some("node"));
     assert_eq!(camera.eye, DVec3::new(1.0, 2.0, 3.0));
     // A quarter turn about y takes -z to -x.
     assert!((camera.look_at - camera.eye).abs_diff_eq(DVec3::NEG_X, 1e-12));
     assert!(camera.up.abs_diff_eq(DVec3::Y, 1e-12));
-    assert_eq!(
-        (camera.vfov, camera.aperture, camera.focus),
-        (0.75, 0.0, None)
-    );
+    assert_eq!(camera.projection, Projection::pinhole(0.75));
     assert_eq!(model.lights.len(), 1);
     assert_eq!(model.lights[0].position, 4.0 * DVec3::Y);
     assert_eq!(model.lights[0].intensity, Rgb::new(8.0, 4.0, 2.0));
-    assert_eq!(model.warnings.len(), 2, "{:?}", model.warnings);
+    assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
     for (pointer, value, place) in [
         (
             "/cameras/0/perspective/yfov",
@@ -100,6 +100,12 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
             json!({}),
             "/cameras/0/perspective",
         ),
+        (
+            "/cameras/1/orthographic/ymag",
+            json!(0),
+            "/cameras/1/orthographic/ymag",
+        ),
+        ("/cameras/1/type", json!("fish-eye"), "/cameras/1/type"),
         (
             "/extensions/KHR_lights_punctual/lights/0/intensity",
             json!(-1),

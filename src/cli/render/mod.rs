@@ -1,3 +1,5 @@
+mod film;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -5,7 +7,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::color::Tonemap;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{PixelSum, Rect};
@@ -16,6 +18,7 @@ use crate::render::{RenderSettings, Rendered, render};
 use crate::sampling::SamplerKind;
 use crate::scene::{IntegratorSettings, Scene};
 
+use self::film::FilmArgs;
 use super::progress::{Progress, catch_interrupts, interrupted};
 use super::values::{parse_crop, parse_samples, parse_size, parse_time};
 use super::{INTERRUPTED, InputArgs, grouped, is_png, warn};
@@ -64,8 +67,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
     crop: Option<[u32; 4]>,
     /// Stop after this long with what there is, as 90s, 10m or 1h
-    #[arg(long, value_parser = parse_time)]
+    #[arg(long, value_parser = parse_time, conflicts_with = "moving")]
     time: Option<Duration>,
+    #[command(flatten)]
+    film: FilmArgs,
     /// Curve of the PNG [default: the scene's]
     #[arg(long, value_enum)]
     tonemap: Option<TonemapName>,
@@ -107,13 +112,14 @@ enum TonemapName {
 }
 
 pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
+    if args.film.wanted() {
+        return film::run(args);
+    }
     let outputs = args.outputs()?;
     for path in &outputs {
         check_image_path(path, args.force)?;
     }
-    let mut scene = args.input.read()?;
-    warn(&scene.warnings);
-    args.apply(&mut scene);
+    let scene = args.scene()?;
     let camera = args.camera(&scene)?.clone();
     let lens = camera.lens(scene.film.size)?;
     let world = args.input.build(scene)?;
@@ -131,27 +137,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
 
     let mut image = rendered.film.to_image();
     image.metadata = args.metadata(scene, &camera, &settings, &rendered);
-    outputs.par_iter().try_for_each(|path| {
-        let shown = if is_png(path) {
-            for_looking(&scene.integrator, &image)
-        } else {
-            None
-        };
-        let options = WriteOptions {
-            overwrite: args.force,
-            tonemap: scene.film.tonemap,
-            precision: if args.half {
-                Precision::Half
-            } else {
-                Precision::Float
-            },
-        };
-        write_image(path, shown.as_ref().unwrap_or(&image), &options)
-    })?;
+    args.write(scene, &image, &outputs)?;
     if !args.quiet {
         println!(
-            "{}",
-            closing_line(&rendered, &settings, scene.film.size, &outputs)
+            "{}: {}",
+            names(&outputs),
+            figures(&rendered, &settings, scene.film.size)
         );
     }
     if interrupted() {
@@ -178,6 +169,32 @@ impl RenderArgs {
             stem.with_added_extension("exr"),
             stem.with_added_extension("png"),
         ])
+    }
+
+    /// The scene, overruled by the arguments.
+    fn scene(&self) -> Result<Scene> {
+        let mut scene = self.input.read()?;
+        warn(&scene.warnings);
+        self.apply(&mut scene);
+        Ok(scene)
+    }
+
+    /// Writes a picture to all of `outputs`.
+    fn write(&self, scene: &Scene, image: &Image, outputs: &[PathBuf]) -> Result<()> {
+        let shown = for_looking(&scene.integrator, image);
+        let options = WriteOptions {
+            overwrite: self.force,
+            tonemap: scene.film.tonemap,
+            precision: if self.half {
+                Precision::Half
+            } else {
+                Precision::Float
+            },
+        };
+        outputs.par_iter().try_for_each(|path| {
+            let shown = shown.as_ref().filter(|_| is_png(path));
+            write_image(path, shown.unwrap_or(image), &options)
+        })
     }
 
     /// Lets the arguments overrule the scene.
@@ -319,13 +336,13 @@ fn camera_text(camera: &Camera) -> String {
         .name
         .as_ref()
         .map_or(String::new(), |name| format!("{name}: "));
-    format!(
-        "{name}eye {} look_at {} up {} vfov {}",
-        camera.eye,
-        camera.look_at,
-        camera.up,
-        camera.vfov.to_degrees()
-    )
+    let (eye, look_at, up) = (camera.eye, camera.look_at, camera.up);
+    let projection = match camera.projection {
+        Projection::Perspective { vfov, .. } => format!("vfov {}", vfov.to_degrees()),
+        Projection::Orthographic { height } => format!("orthographic height {height}"),
+        Projection::Panorama => "panorama".to_owned(),
+    };
+    format!("{name}eye {eye} look_at {look_at} up {up} {projection}")
 }
 
 /// Distances have no place in a PNG's 0..=1: they are shown against the largest.
@@ -354,20 +371,19 @@ fn report_bad(rendered: &Rendered) {
     );
 }
 
-fn closing_line(
-    rendered: &Rendered,
-    settings: &RenderSettings,
-    size: (u32, u32),
-    outputs: &[PathBuf],
-) -> String {
-    let seconds = rendered.time.as_secs_f64();
-    let names: Vec<String> = outputs
+/// Paths as a list.
+fn names(paths: &[PathBuf]) -> String {
+    let names: Vec<String> = paths
         .iter()
         .map(|path| path.display().to_string())
         .collect();
+    names.join(", ")
+}
+
+/// What the closing line tells.
+fn figures(rendered: &Rendered, settings: &RenderSettings, size: (u32, u32)) -> String {
     format!(
-        "{}: {}x{}, {} spp{}, {} rays in {seconds:.2} s, {:.2} Mrays/s",
-        names.join(", "),
+        "{}x{}, {} spp{}, {}",
         size.0,
         size.1,
         settings.samples.end - settings.samples.start,
@@ -376,7 +392,15 @@ fn closing_line(
         } else {
             " at most, stopped early"
         },
-        grouped(rendered.rays),
-        rendered.rays as f64 / seconds.max(1e-9) / 1e6,
+        speed(rendered.rays, rendered.time),
+    )
+}
+
+fn speed(rays: u64, time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    format!(
+        "{} rays in {seconds:.2} s, {:.2} Mrays/s",
+        grouped(rays),
+        rays as f64 / seconds.max(1e-9) / 1e6,
     )
 }
