@@ -216,7 +216,9 @@ fn measured(figures: &[Figure]) -> Result<String> {
     text += "\n## Noise of figure 21\n\nStandard deviation of a pixel from one render to another, over the picture's mean.\n\n\
              | figure | rays a pixel | noise |\n|---|---|---|\n";
     for figure in of("21") {
-        let world = World::build(figure.load()?)?;
+        let mut scene = figure.load()?;
+        scene.film.size = (WIDTH / 2, WIDTH / 2);
+        let world = World::build(scene)?;
         let _ = writeln!(
             text,
             "| {} | {} | {:.2} % |",
