@@ -117,7 +117,7 @@ fn a_sphere_light_has_the_variance_of_directions_within_its_cone() {
     // to the axis and of its square, and from them the variance of the cosine to the normal.
     let c = (1.0 - (radius / light.length()).powi(2)).sqrt();
     let a = light.y / light.length();
-    let (first, second) = ((1.0 + c) / 2.0, (1.0 + c + c * c) / 3.0);
+    let (first, second) = (0.5 + 0.5 * c, (1.0 + c + c * c) / 3.0);
     let variance = a * a * (second - first * first) + (1.0 - a * a) * (1.0 - second) / 2.0;
     let scale = albedo / PI * radiance * 2.0 * PI * (1.0 - c);
     // Both within five of their standard errors; the cosine has lighter tails than a normal distribution.
