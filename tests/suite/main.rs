@@ -30,6 +30,7 @@ mod png;
 mod probe;
 mod random;
 mod readme;
+mod report;
 mod scene_errors;
 mod scene_file;
 mod scenes;

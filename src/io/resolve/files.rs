@@ -15,8 +15,8 @@ use super::{Loader, ReadOptions};
 pub(super) fn roots(description: &SceneDescription, options: &ReadOptions) -> Result<Vec<PathBuf>> {
     let canonical = |path: &Path| path.canonicalize().map_err(|e| Error::read(path, &e));
     let own = canonical(description.source.folder())?;
-    let assets = own.with_file_name("assets").canonicalize();
-    let beside = assets.ok().filter(|_| own.ends_with("scenes"));
+    let scenes = own.ancestors().find(|folder| folder.ends_with("scenes"));
+    let beside = scenes.and_then(|scenes| scenes.with_file_name("assets").canonicalize().ok());
     let allowed = options.allow_paths.iter().map(|path| canonical(path));
     let mut roots = allowed.collect::<Result<Vec<_>>>()?;
     roots.extend(beside);

@@ -31,7 +31,7 @@ const INSTANCE: usize = 8;
 /// What the reader of a scene may do.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// Folders whose trees a scene may read from, beside its own folder's tree. A scene in a folder called `scenes`
+    /// Folders whose trees a scene may read from, beside its own folder's tree. A scene anywhere in a folder called `scenes`
     /// may read from the `assets` folder next to that one in any case.
     pub allow_paths: Vec<PathBuf>,
     /// What becomes of CSG operands that are meshes with holes.
