@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
@@ -277,7 +278,7 @@ fn no_ray_is_lost_in_a_closed_room_of_mirrors() {
         let askew = askew();
         let eye = askew.transform_point3(DVec3::new(0.0, 0.0, 55.0));
         let mut lens = camera(eye, askew.translation);
-        lens.vfov = 60_f64.to_radians();
+        lens.projection = Projection::pinhole(60_f64.to_radians());
         scene.cameras = vec![lens];
         let mirror = Surface::Mirror {
             color: Texture::Constant(Rgb::splat(0.5)),
