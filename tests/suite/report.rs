@@ -19,7 +19,7 @@ use crate::support::meshes::{moved, sphere_mesh};
 use crate::support::{Build, Shot, camera, diffuse, empty_scene, shoot, statistics};
 
 /// Every figure of the report that is a rendering.
-const FIGURES: &str = "1 2 4 5 6 8 10a 10b 11a 11b 11c 12a 12b 12c 14a 14b 14c 14d 14e 15a 15b 15c 15d 15e 15f \
+const FIGURES: &str = "1 2 4 5 6 8 10a 10b 11a 11b 11c 12a 12b 12c 14a 14b 14c 14d 14e 15a 15b 15c 15d 15e 15f 15g \
     16a 16b 17 18a 18b 18c 18d 18e 19a 19b 19c 19d 19e 19f 19g 21a 21b 21c 21d 23a 23b 24a 24b 25a 25b 26a 26b \
     27a 27b 27c 27d 33 34a 34b 35a 35b 35c 35d 36a 36b 37 38a 38b 38c 39 40 41 42a 42b 43 44 45a 45b 46 49";
 
