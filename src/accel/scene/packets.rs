@@ -15,7 +15,7 @@ use super::{Accel, Hit};
 const FEW: u32 = 3;
 
 /// Where fewer rays of a packet than this meet at a leaf, on average, streams are faster.
-const FULL: u32 = 3;
+const FULL: u32 = 4;
 
 /// After such packets, as many rays as would make so many of them are a stream.
 const SPARSE: usize = 15;

@@ -80,7 +80,7 @@ impl Blocks {
 
     /// About the part `share` of `count` rays, from all over the set, and not too few.
     pub(super) fn some(count: usize, share: f64) -> Self {
-        const RAYS: usize = 4096;
+        const RAYS: usize = 1024;
         const LEAST: usize = 16;
         let most = count.div_ceil(RAYS).div_ceil(LEAST);
         Self {
