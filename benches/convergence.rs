@@ -19,9 +19,10 @@ const SEEDS: u64 = 12;
 const MOST: u32 = 256;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Cargo adds flags of its own.
     let out = std::env::args()
         .skip(1)
-        .find(|argument| argument.ends_with(".svg"));
+        .find(|argument| !argument.starts_with("--"));
     let scene = read_scene(Path::new("scenes/cornell.ron"), &ReadOptions::default())?;
     let world = World::build(scene)?;
     let counts: Vec<u32> = (0..=MOST.ilog2()).map(|i| 1 << i).collect();
