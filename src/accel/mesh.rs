@@ -1,6 +1,8 @@
 mod choice;
 mod tasks;
 
+use std::ops::ControlFlow;
+
 use glam::{DVec2, DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
@@ -13,7 +15,7 @@ use crate::memory::Pages;
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, GROUP, Kernel, LANES, Packet, Root, Seat, Task, WideTree};
+use super::wide::{Block, GROUP, Kernel, LANES, Packet, Root, Seat, Task, Walk, WideTree};
 use choice::{cornered, distinct};
 use tasks::{Any, Closest, Visit};
 
@@ -201,6 +203,38 @@ impl MeshTree {
         }
     }
 
+    /// Takes the ray, of the mesh's space, through the tree or a part of it. `offer` gets its hits and answers with where
+    /// there is still something to look for: before that, or [`ENOUGH`].
+    #[inline(always)]
+    pub(super) fn walk<K: Kernel<N>, const N: usize>(
+        &self,
+        kernel: K,
+        walk: Walk<'_, N>,
+        ray: &Ray,
+        tmax: f64,
+        mut offer: impl FnMut(TriangleHit, u32) -> f64,
+    ) {
+        let local = TreeRay::new(ray, self.center, self.extent);
+        let start = local.box_start(ray.tmin);
+        let mut at = AtLeaf {
+            ray,
+            local: &local,
+            corners: kernel.corners(&local, start),
+            limit: local.box_limit(tmax),
+        };
+        let mut limit = tmax;
+        let _ = walk.traverse(kernel, &local, start, at.limit, |leaf| {
+            self.visit(kernel, &at, leaf, |hit, primitive| {
+                limit = offer(hit, primitive);
+            });
+            if limit == ENOUGH {
+                return ControlFlow::Break(());
+            }
+            at.limit = local.box_limit(limit);
+            ControlFlow::Continue(at.limit)
+        });
+    }
+
     /// As [`MeshTree::visit`] for the rays of a packet in `mask`; `offer` gets their numbers.
     #[inline(always)]
     pub(super) fn visit_packet<K: Kernel<N>, const N: usize>(
@@ -322,6 +356,9 @@ pub(super) struct AtLeaf<'a, C> {
     pub corners: C,
     pub limit: f32,
 }
+
+/// The end of a ray for which nothing is left to look for.
+pub(super) const ENOUGH: f64 = f64::NEG_INFINITY;
 
 /// Trees of so many bytes are read from afar, and asking ahead pays.
 const FAR: usize = 16 << 20;

@@ -11,7 +11,7 @@ use solidtrace::math::{Ray, Transform};
 use solidtrace::sampling::uniform_sphere;
 use solidtrace::scene::{Scene, SceneDescription};
 
-use crate::support::brute::{cases, compare};
+use crate::support::brute::{cases, compare, meet};
 use crate::support::meshes::{box_mesh, bumpy_sphere, torus_mesh};
 
 fn placed(shape: Shape, at: DAffine3) -> Placed {
@@ -25,16 +25,10 @@ fn random_direction(rng: &mut Pcg64Mcg) -> DVec3 {
     uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3()
 }
 
-/// A triangle hit by Moeller and Trumbore's test in f64, on corners in world space.
-fn plain_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<f64> {
-    let (e1, e2) = (b - a, c - a);
-    let p = ray.direction.cross(e2);
-    let s = ray.origin - a;
-    let q = s.cross(e1);
-    let det = e1.dot(p);
-    let (u, v) = (s.dot(p) / det, ray.direction.dot(q) / det);
-    let t = e2.dot(q) / det;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > ray.tmin && t < ray.tmax).then_some(t)
+/// A triangle hit, on corners in world space.
+fn plain_triangle(ray: &Ray, corners: [DVec3; 3]) -> Option<f64> {
+    let (t, inside) = meet(ray, corners);
+    (inside >= 0.0 && t > ray.tmin && t < ray.tmax).then_some(t)
 }
 
 /// Meshes and solids in random places, sheared, mirrored, squashed.

@@ -7,7 +7,7 @@ use crate::accel::triangle::TriangleHit;
 use crate::accel::wide::{Kernel, Task, Walk};
 use crate::math::Ray;
 
-use super::{AtLeaf, MeshTree};
+use super::{ENOUGH, MeshTree};
 
 /// The closest hit before `tmax`, and its primitive; of equal distances the lowest.
 pub(super) struct Closest<'a> {
@@ -22,26 +22,15 @@ impl Task for Closest<'_> {
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
         let Self { mesh, ray, tmax } = self;
-        let local = TreeRay::new(ray, mesh.center, mesh.extent);
-        let start = local.box_start(ray.tmin);
-        let mut at = AtLeaf {
-            ray,
-            local: &local,
-            corners: kernel.corners(&local, start),
-            limit: local.box_limit(tmax),
-        };
         let mut limit = tmax;
         let mut best: Option<(TriangleHit, u32)> = None;
-        let _ = walk.traverse(kernel, &local, start, at.limit, |leaf| {
-            mesh.visit(kernel, &at, leaf, |hit, primitive| {
-                let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
-                if hit.t < limit || tie {
-                    limit = hit.t;
-                    best = Some((hit, primitive));
-                }
-            });
-            at.limit = local.box_limit(limit);
-            ControlFlow::Continue(at.limit)
+        mesh.walk(kernel, walk, ray, tmax, |hit, primitive| {
+            let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
+            if hit.t < limit || tie {
+                limit = hit.t;
+                best = Some((hit, primitive));
+            }
+            limit
         });
         best
     }
@@ -59,24 +48,14 @@ impl Task for Any<'_> {
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> bool {
         let Self { mesh, ray } = self;
-        let local = TreeRay::new(ray, mesh.center, mesh.extent);
-        let start = local.box_start(ray.tmin);
-        let at = AtLeaf {
-            ray,
-            local: &local,
-            corners: kernel.corners(&local, start),
-            limit: local.box_limit(ray.tmax),
-        };
-        let outcome = walk.traverse(kernel, &local, start, at.limit, |leaf| {
-            let mut blocked = false;
-            mesh.visit(kernel, &at, leaf, |hit, _| blocked |= hit.t < ray.tmax);
-            if blocked {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(at.limit)
+        let mut limit = ray.tmax;
+        mesh.walk(kernel, walk, ray, limit, |hit, _| {
+            if hit.t < limit {
+                limit = ENOUGH;
             }
+            limit
         });
-        outcome.is_break()
+        limit == ENOUGH
     }
 }
 

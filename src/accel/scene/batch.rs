@@ -1,4 +1,4 @@
-use crate::accel::mesh::{AtLeaf, MeshTree};
+use crate::accel::mesh::{AtLeaf, ENOUGH, MeshTree};
 use crate::accel::wide::{
     Entrant, Group, Kernel, Next, PREPARED, RAYS, Root, Task, Traffic, Walk, stream,
 };
@@ -7,26 +7,19 @@ use crate::math::Ray;
 
 use super::{Accel, Hit};
 
-/// Rays that are taken at once: they and their hits stay in a core's own cache.
-const BLOCK: usize = 8192;
-
 impl Accel {
     /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
-        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
-            hits.fill(None);
-            self.answer(rays, Closest(hits));
-        }
+        hits.fill(None);
+        self.answer(rays, Closest(hits));
     }
 
     /// Whether each ray is blocked, as [`Accel::occluded`] says it, into `blocked` of the same length.
     pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len());
-        for (rays, blocked) in rays.chunks(BLOCK).zip(blocked.chunks_mut(BLOCK)) {
-            blocked.fill(false);
-            self.answer(rays, Any(blocked));
-        }
+        blocked.fill(false);
+        self.answer(rays, Any(blocked));
     }
 
     fn answer(&self, rays: &[Ray], mut answers: impl Answers) {
@@ -86,9 +79,6 @@ struct Closest<'a>(&'a mut [Option<Hit>]);
 
 /// Whether there is any hit. Then the limit is [`ENOUGH`].
 struct Any<'a>(&'a mut [bool]);
-
-/// Nothing is left to look for.
-pub(super) const ENOUGH: f64 = f64::NEG_INFINITY;
 
 impl Answers for Closest<'_> {
     #[inline(always)]

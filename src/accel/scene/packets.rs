@@ -1,14 +1,12 @@
 //! Batches of rays from one origin.
 
 use std::array::from_fn;
-use std::ops::ControlFlow;
 
-use crate::accel::mesh::{AtLeaf, MeshTree};
-use crate::accel::ray::TreeRay;
+use crate::accel::mesh::{ENOUGH, MeshTree};
 use crate::accel::wide::{Catch, Kernel, LEAF, PACKET, Packet, Root, Seat, walk_packet};
 use crate::math::Ray;
 
-use super::batch::{Answers, ENOUGH, Flights, Stream};
+use super::batch::{Answers, Flights, Stream};
 use super::{Accel, Hit};
 
 /// Packets with fewer rays left go on one by one.
@@ -177,23 +175,11 @@ impl<A: Answers, const N: usize> InMesh<'_, '_, '_, A, N> {
             fill,
         } = &mut *self.party;
         fill.count(1);
-        let (mesh, ray) = (self.mesh, &rays[i]);
-        let local = TreeRay::new(ray, mesh.center, mesh.extent);
-        let start = local.box_start(ray.tmin);
-        let mut at = AtLeaf {
-            ray,
-            local: &local,
-            corners: kernel.corners(&local, start),
-            limit: local.box_limit(limits[i]),
-        };
-        let walk = self.root.walk.below(link);
-        let _ = walk.traverse(kernel, &local, start, at.limit, |leaf| {
-            mesh.visit(kernel, &at, leaf, |hit, primitive| {
-                let hit = Hit::of_triangle(&hit, primitive, self.instance);
-                answers.offer(*first + i, hit, &mut limits[i]);
-            });
-            at.limit = local.box_limit(limits[i]);
-            ControlFlow::Continue(at.limit)
+        let (walk, limit) = (self.root.walk.below(link), &mut limits[i]);
+        (self.mesh).walk(kernel, walk, &rays[i], *limit, |hit, primitive| {
+            let hit = Hit::of_triangle(&hit, primitive, self.instance);
+            answers.offer(*first + i, hit, limit);
+            *limit
         });
     }
 }

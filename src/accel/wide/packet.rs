@@ -273,7 +273,7 @@ impl Packet {
 
 #[inline(always)]
 fn reach(limit: f64, length: f64) -> f32 {
-    (limit * length.abs()) as f32 * (1.0 + ROUNDING)
+    (limit * length.abs()) as f32 * (1.0 + ROUNDING) + f32::MIN_POSITIVE
 }
 
 /// The least and the greatest.

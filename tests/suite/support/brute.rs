@@ -51,9 +51,8 @@ pub fn cases() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-/// Where a ray meets a triangle by Moeller and Trumbore's test: distance and the three barycentric weights, whatever
-/// their signs.
-fn meet(ray: &Ray, [a, b, c]: [DVec3; 3]) -> (f64, f64) {
+/// Where a ray meets a triangle's plane by Moeller and Trumbore's test, and the least of the barycentric weights there.
+pub fn meet(ray: &Ray, [a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let (e1, e2) = (b - a, c - a);
     let p = ray.direction.cross(e2);
     let s = ray.origin - a;
