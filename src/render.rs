@@ -1,5 +1,7 @@
 //! From a world to a film: tiles, passes, threads.
 
+mod adaptive;
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -11,11 +13,14 @@ use rayon::prelude::*;
 use crate::camera::Lens;
 use crate::color::Rgb;
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{Film, Filter, Rect};
+use crate::film::{Film, Filter, Layer, PixelSum, Rect};
+use crate::image::{Channel, Image};
 use crate::integrator::{CameraRay, Integrator};
 use crate::sampling::{Sampler, SamplerKind};
 use crate::scene::Scene;
 use crate::world::World;
+
+use adaptive::Adaptive;
 
 /// What to render. The picture is a function of these (and the scene) except for `threads` and
 /// `tile_size`, which only say how the work is split.
@@ -33,6 +38,9 @@ pub struct RenderSettings {
     pub sampler: SamplerKind,
     /// Another seed, another noise.
     pub seed: u64,
+    /// Pixels get no more samples where the relative standard error is estimated to be at most this; `None` is all
+    /// samples everywhere.
+    pub noise: Option<f64>,
     /// 0 is one for each core.
     pub threads: usize,
     /// Edge of the square tiles that workers take, in pixels.
@@ -49,6 +57,7 @@ impl RenderSettings {
             filter: scene.film.filter,
             sampler: SamplerKind::default(),
             seed: 0,
+            noise: None,
             threads: 0,
             tile_size: 32,
         }
@@ -57,7 +66,7 @@ impl RenderSettings {
 
 /// Watches a render, and may end it early.
 pub trait Observer: Sync {
-    /// `samples` more pixel samples are done, for which `rays` rays were traced.
+    /// `samples` more pixel samples are done, or found to be needless, for which `rays` rays were traced.
     fn advance(&self, _samples: u64, _rays: u64) {}
 
     /// Asked before each tile: whether to stop with what there is.
@@ -87,14 +96,35 @@ pub struct Rendered {
     pub rays: u64,
     /// Wall time.
     pub time: Duration,
-    /// Whether every sample that was asked for was taken.
+    /// Whether the render came to its end.
     pub complete: bool,
+    /// The film's layers.
+    pub layers: Vec<Layer>,
+    /// Where the settings name a noise: how many pixels need no more samples.
+    pub converged: Option<u64>,
     /// Samples left out, by pixel.
     pub bad: Vec<BadSample>,
 }
 
-/// More pixels would take the film beyond 8 GiB.
-const MOST_PIXELS: u64 = 1 << 27;
+impl Rendered {
+    /// The picture with its layers, and with the number of samples of each pixel as channel `samples` where it may differ.
+    pub fn to_image(&self) -> Image {
+        let mut image = self.film.to_image();
+        let layers = self.film.layer_channels(&self.layers);
+        image.channels.extend(layers);
+        if self.converged.is_some() {
+            let counts = self.film.pixels().par_iter().map(PixelSum::count);
+            image.channels.push(Channel {
+                name: "samples".to_owned(),
+                values: counts.map(|count| count as f32).collect(),
+            });
+        }
+        image
+    }
+}
+
+/// The largest film, in bytes.
+const LARGEST: u64 = 1 << 33;
 
 /// Renders. The film's bits depend on neither threads nor tiles: each sample has its own random
 /// numbers, and sums are exact.
@@ -109,8 +139,13 @@ pub fn render(
     observer: &dyn Observer,
 ) -> Result<Rendered> {
     let (width, height) = settings.size;
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        let message = format!("{width}x{height} are more than {MOST_PIXELS} pixels");
+    let layers = integrator.layers();
+    let most = LARGEST / Film::bytes_per_pixel(layers.len()) as u64;
+    if u64::from(width) * u64::from(height) > most {
+        let message = match layers.len() {
+            0 => format!("{width}x{height} are more than {most} pixels"),
+            count => format!("{width}x{height} are more than {most} pixels with {count} layers"),
+        };
         return Err(Error::new(ErrorKind::Usage, message).help("render a smaller size"));
     }
     let pool = rayon::ThreadPoolBuilder::new()
@@ -125,26 +160,30 @@ pub fn render(
         })?;
     let start = Instant::now();
     let mut rendered = Rendered {
-        film: pool.install(|| Film::new(Rect::of_size(settings.size))),
+        film: pool.install(|| Film::with_layers(Rect::of_size(settings.size), layers.len())),
         rays: 0,
         time: Duration::ZERO,
         complete: true,
+        layers: layers.to_vec(),
+        converged: None,
         bad: Vec::new(),
     };
-    let tiles: Vec<Rect> = settings.area.tiles(settings.tile_size.max(1)).collect();
-    let mut complete = true;
-    let shared = Mutex::new(&mut rendered);
+    let mut tiles: Vec<Rect> = settings.area.tiles(settings.tile_size.max(1)).collect();
+    let mut adaptive = (settings.noise).map(|noise| Adaptive::new(noise, settings.area));
     for pass in passes(settings.samples.clone()) {
         let stopped = AtomicBool::new(false);
+        let needs = |pixel: &(u32, u32)| adaptive.as_ref().is_none_or(|a| a.needs(*pixel));
+        let shared = Mutex::new(&mut rendered);
         pool.install(|| {
             tiles.par_iter().for_each(|&rect| {
                 if observer.stop() {
                     stopped.store(true, Ordering::Relaxed);
                     return;
                 }
-                let tile = render_tile(world, lens, integrator, settings, rect, &pass);
-                let pixels = u64::from(rect.width) * u64::from(rect.height);
-                observer.advance(pixels * u64::from(pass.end - pass.start), tile.rays);
+                let pixels: Vec<(u32, u32)> = rect.pixels().filter(needs).collect();
+                let tile = render_tile(world, lens, integrator, settings, rect, &pixels, &pass);
+                let count = pixels.len() as u64;
+                observer.advance(count * u64::from(pass.end - pass.start), tile.rays);
                 // Sums are exact: the order in which tiles come cannot show.
                 let mut rendered = shared.lock().unwrap_or_else(PoisonError::into_inner);
                 rendered.film.add(&tile.film);
@@ -153,11 +192,18 @@ pub fn render(
             });
         });
         if stopped.into_inner() {
-            complete = false;
+            rendered.complete = false;
             break;
         }
+        if let Some(adaptive) = &mut adaptive {
+            let before = adaptive.converged();
+            adaptive.judge(&rendered.film, pass.end - settings.samples.start);
+            let saved = adaptive.converged() - before;
+            observer.advance(saved * u64::from(settings.samples.end - pass.end), 0);
+            tiles.retain(|tile| tile.pixels().any(|pixel| adaptive.needs(pixel)));
+        }
     }
-    rendered.complete = complete;
+    rendered.converged = adaptive.map(|adaptive| adaptive.converged());
     rendered
         .bad
         .sort_unstable_by_key(|b| (b.pixel.1, b.pixel.0, b.index));
@@ -166,13 +212,13 @@ pub fn render(
 }
 
 /// Splits samples into passes over the whole picture, short at first, so that an early stop leaves an
-/// even picture soon.
+/// even picture soon: up to the first, 2nd, 4th, 8th, 16th, 32nd, 48th, and so on.
 fn passes(samples: Range<u32>) -> impl Iterator<Item = Range<u32>> {
-    let (mut start, mut length) = (samples.start, 1);
+    let mut start = samples.start;
     std::iter::from_fn(move || {
-        let end = samples.end.min(start.saturating_add(length));
-        let pass = start..end;
-        (start, length) = (end, (2 * length).min(16));
+        let length = (start - samples.start).clamp(1, 16);
+        let pass = start..samples.end.min(start.saturating_add(length));
+        start = pass.end;
         (!pass.is_empty()).then_some(pass)
     })
 }
@@ -189,10 +235,11 @@ fn render_tile(
     integrator: &dyn Integrator,
     settings: &RenderSettings,
     rect: Rect,
+    pixels: &[(u32, u32)],
     samples: &Range<u32>,
 ) -> Tile {
-    let keys: Vec<((u32, u32), u32)> = (rect.pixels())
-        .flat_map(|pixel| samples.clone().map(move |index| (pixel, index)))
+    let keys: Vec<((u32, u32), u32)> = (pixels.iter())
+        .flat_map(|&pixel| samples.clone().map(move |index| (pixel, index)))
         .collect();
     let batch: Vec<CameraRay> = keys
         .iter()
@@ -208,14 +255,17 @@ fn render_tile(
             }
         })
         .collect();
+    let depth = integrator.layers().len();
     let mut radiance = vec![Rgb::ZERO; batch.len()];
+    let mut layers = vec![Rgb::ZERO; batch.len() * depth];
     let mut tile = Tile {
-        rays: integrator.radiance(world, &batch, &mut radiance),
-        film: Film::new(rect),
+        rays: integrator.radiance_and_layers(world, &batch, &mut radiance, &mut layers),
+        film: Film::with_layers(rect, depth),
         bad: Vec::new(),
     };
-    for (&(pixel, index), &value) in keys.iter().zip(&radiance) {
-        if !tile.film.pixel_mut(pixel.0, pixel.1).add(value) {
+    for (i, (&(pixel, index), &value)) in keys.iter().zip(&radiance).enumerate() {
+        let layers = &layers[i * depth..][..depth];
+        if !tile.film.add_sample(pixel.0, pixel.1, value, layers) {
             tile.bad.push(BadSample { pixel, index });
         }
     }

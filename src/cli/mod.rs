@@ -36,7 +36,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Render a scene or model to EXR and PNG
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     /// Trace the rays of a CSV file and write their hits as CSV
     Trace(trace::TraceArgs),
     /// Compare ray hits with Embree's and judge every difference

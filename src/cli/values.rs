@@ -55,3 +55,9 @@ pub(super) fn parse_time(text: &str) -> Parsed<Duration> {
         .and_then(|n| Duration::try_from_secs_f64(n * seconds).ok())
         .ok_or_else(|| "expected a time as 90s, 10m or 1h".to_owned())
 }
+
+pub(super) fn parse_noise(text: &str) -> Parsed<f64> {
+    (text.parse().ok())
+        .filter(|noise| *noise > 0.0 && *noise <= 1.0)
+        .ok_or_else(|| "expected a relative error above 0 and at most 1, as 0.02".to_owned())
+}

@@ -1,148 +1,28 @@
 //! Exact accumulation of samples: the sum does not depend on the order of addition.
 
 mod filter;
+mod rect;
+mod sum;
 
 pub use filter::Filter;
+pub use rect::Rect;
+pub use sum::{MAX_SAMPLE, PixelSum};
+
+use rayon::prelude::*;
 
 use crate::color::Rgb;
-use crate::image::Image;
+use crate::image::{Channel, Image};
 use crate::memory::Pages;
 
-/// Sums are integers in units of 2⁻⁴⁸.
-const UNITS: f64 = (1_u64 << 48) as f64;
+use sum::LayerSum;
 
-/// The largest magnitude of a channel that a film takes, 2⁴⁷ or 1.4e14. With it 2³² samples stay below 2¹²⁷ units,
-/// so no sum overflows.
-pub const MAX_SAMPLE: f32 = (1_u64 << 47) as f32;
-
-/// The samples of one pixel, summed exactly in 128-bit fixed point.
-///
-/// The resolution is 2⁻⁴⁸, 3.6e-15: a channel of magnitude 2⁻²⁵ (3e-8) or more enters as it is, a smaller one
-/// is first rounded to the resolution. Integer addition is associative, so the sum has the same bits in every order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
-pub struct PixelSum {
-    sum: [i128; 3],
-    count: u32,
-}
-
-impl PixelSum {
-    /// Adds a sample. Refuses it, and returns false, where a channel is not a number, infinite or beyond
-    /// [`MAX_SAMPLE`]; the pixel is then as it was.
-    #[must_use = "a refused sample is to be counted and named"]
-    pub fn add(&mut self, sample: Rgb) -> bool {
-        let channels = sample.to_array();
-        let accepted = channels.iter().all(|c| c.abs() <= MAX_SAMPLE);
-        if accepted {
-            for (sum, c) in self.sum.iter_mut().zip(channels) {
-                *sum += in_units(c);
-            }
-            self.count += 1;
-        }
-        accepted
-    }
-
-    /// How many samples were added.
-    pub fn count(&self) -> u32 {
-        self.count
-    }
-
-    /// The mean of the samples, black where there are none.
-    pub fn mean(&self) -> Rgb {
-        Rgb::from_array([0, 1, 2].map(|channel| self.channel_mean(channel)))
-    }
-
-    fn channel_mean(&self, channel: usize) -> f32 {
-        let units = UNITS * f64::from(self.count.max(1));
-        let sum = self.sum[channel];
-        // The same number, sooner.
-        let sum = i64::try_from(sum).map_or(sum as f64, |sum| sum as f64);
-        (sum / units) as f32
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for (sum, more) in self.sum.iter_mut().zip(other.sum) {
-            *sum += more;
-        }
-        self.count += other.count;
-    }
-}
-
-/// The nearest whole number of units. Most are whole and fit into 64 bits, which is sooner done.
-fn in_units(x: f32) -> i128 {
-    let units = f64::from(x) * UNITS;
-    let whole = units as i64;
-    if whole as f64 == units && whole != i64::MAX {
-        i128::from(whole)
-    } else {
-        units.round() as i128
-    }
-}
-
-/// A rectangle of pixels; `x` and `y` are its top left pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rect {
-    /// Leftmost column.
-    pub x: u32,
-    /// Topmost row.
-    pub y: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-impl Rect {
-    /// A whole picture of `size` pixels, width and height.
-    pub fn of_size(size: (u32, u32)) -> Self {
-        Self {
-            x: 0,
-            y: 0,
-            width: size.0,
-            height: size.1,
-        }
-    }
-
-    /// Squares of `edge` pixels that cover the rectangle once, row by row; those at the right and bottom may be smaller.
-    ///
-    /// # Panics
-    /// Where `edge` is 0.
-    pub fn tiles(self, edge: u32) -> impl Iterator<Item = Self> + Clone {
-        let steps = move |length: u32| {
-            (0..length)
-                .step_by(edge as usize)
-                .map(move |start| (start, edge.min(length - start)))
-        };
-        steps(self.height).flat_map(move |(y, height)| {
-            steps(self.width).map(move |(x, width)| Self {
-                x: self.x + x,
-                y: self.y + y,
-                width,
-                height,
-            })
-        })
-    }
-
-    /// Column and row of each of its pixels, row by row.
-    pub fn pixels(self) -> impl Iterator<Item = (u32, u32)> + Clone {
-        let columns = self.x..self.x + self.width;
-        (self.y..self.y + self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
-    }
-
-    /// The same in squares of eight by eight, so that rays through pixels that follow each other go together.
-    pub fn blocks(self) -> impl Iterator<Item = (u32, u32)> + Clone {
-        self.tiles(8).flat_map(Self::pixels)
-    }
-
-    /// Whether all of `other` lies inside.
-    pub fn contains(self, other: Self) -> bool {
-        let inside = |start, length, other_start, other_length| {
-            start <= other_start
-                && other_start - start <= length
-                && other_length <= length - (other_start - start)
-        };
-        inside(self.x, self.width, other.x, other.width)
-            && inside(self.y, self.height, other.y, other.height)
-    }
+/// What a film holds beside the picture: the name and channels of up to three numbers a sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// What stands before the dot in the channels' names.
+    pub name: String,
+    /// The channels that are written, one character each: `RGB`, `XYZ` or `Z`.
+    pub channels: &'static str,
 }
 
 /// The sums of a rectangle of pixels: a whole picture, or the tile that one worker fills on its own and hands back.
@@ -150,16 +30,32 @@ impl Rect {
 pub struct Film {
     rect: Rect,
     pixels: Pages<PixelSum>,
+    /// How many layers a pixel has.
+    depth: usize,
+    /// Those of the first pixel, then those of the next.
+    layers: Pages<LayerSum>,
 }
 
 impl Film {
-    /// No samples yet.
+    /// No samples yet, and no layers.
     pub fn new(rect: Rect) -> Self {
+        Self::with_layers(rect, 0)
+    }
+
+    /// No samples yet; each is to bring a number of `layers` as well.
+    pub fn with_layers(rect: Rect, layers: usize) -> Self {
         let pixels = rect.width as usize * rect.height as usize;
         Self {
             rect,
             pixels: Pages::zeroed(pixels),
+            depth: layers,
+            layers: Pages::zeroed(pixels * layers),
         }
+    }
+
+    /// Bytes that a pixel with so many layers takes.
+    pub fn bytes_per_pixel(layers: usize) -> usize {
+        size_of::<PixelSum>() + layers * size_of::<LayerSum>()
     }
 
     /// Which pixels of the picture it holds.
@@ -172,13 +68,45 @@ impl Film {
     /// # Panics
     /// Where the pixel lies outside.
     pub fn pixel_mut(&mut self, x: u32, y: u32) -> &mut PixelSum {
+        let index = self.index(x, y);
+        &mut self.pixels[index]
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
         let (column, row) = (x - self.rect.x, y - self.rect.y);
         assert!(
             column < self.rect.width,
             "column {x} is outside of {:?}",
             self.rect
         );
-        &mut self.pixels[row as usize * self.rect.width as usize + column as usize]
+        row as usize * self.rect.width as usize + column as usize
+    }
+
+    /// The pixel in column `x` and row `y` of the picture, as it is.
+    ///
+    /// # Panics
+    /// Where the pixel lies outside.
+    pub fn pixel(&self, x: u32, y: u32) -> &PixelSum {
+        &self.pixels[self.index(x, y)]
+    }
+
+    /// Adds a sample with its layers to the pixel in column `x` and row `y`, or neither where [`PixelSum::add`]
+    /// refuses the sample.
+    ///
+    /// # Panics
+    /// Where the pixel lies outside, or there are not as many layers as the film has.
+    #[must_use = "a refused sample is to be counted and named"]
+    pub fn add_sample(&mut self, x: u32, y: u32, sample: Rgb, layers: &[Rgb]) -> bool {
+        assert_eq!(layers.len(), self.depth, "layers of a sample");
+        let index = self.index(x, y);
+        let accepted = self.pixels[index].add(sample);
+        if accepted {
+            let sums = &mut self.layers[index * self.depth..];
+            for (sum, &layer) in sums.iter_mut().zip(layers) {
+                sum.add(layer);
+            }
+        }
+        accepted
     }
 
     /// The sums row by row from the top left.
@@ -189,7 +117,7 @@ impl Film {
     /// Adds the samples of a tile, or of another film of the same picture. The order of such calls cannot show.
     ///
     /// # Panics
-    /// Where `part` does not lie inside.
+    /// Where `part` does not lie inside, or has not as many layers.
     pub fn add(&mut self, part: &Self) {
         assert!(
             self.rect.contains(part.rect),
@@ -197,6 +125,7 @@ impl Film {
             part.rect,
             self.rect
         );
+        assert_eq!(part.depth, self.depth, "layers of a part");
         let width = self.rect.width as usize;
         let left = (part.rect.x - self.rect.x) as usize;
         let top = (part.rect.y - self.rect.y) as usize;
@@ -206,6 +135,11 @@ impl Film {
             for (pixel, sum) in self.pixels[start..].iter_mut().zip(sums) {
                 pixel.merge(sum);
             }
+            let layers = part.layers[row * columns * self.depth..].iter();
+            let into = &mut self.layers[start * self.depth..][..sums.len() * self.depth];
+            for (layer, sum) in into.iter_mut().zip(layers) {
+                layer.merge(sum);
+            }
         }
     }
 
@@ -213,5 +147,22 @@ impl Film {
     pub fn to_image(&self) -> Image {
         let (width, height) = (self.rect.width as usize, self.rect.height as usize);
         Image::of_channels(width, height, |pixel, c| self.pixels[pixel].channel_mean(c))
+    }
+
+    /// The means of its layers, which are called `names`, as [`Self::to_image`] makes them: `name.R` and so on.
+    pub fn layer_channels(&self, names: &[Layer]) -> Vec<Channel> {
+        let channel = |(layer, name, c, letter): (usize, &str, usize, char)| Channel {
+            name: format!("{name}.{letter}"),
+            values: (self.pixels.par_iter().enumerate())
+                .map(|(i, pixel)| self.layers[i * self.depth + layer].channel_mean(c, pixel))
+                .collect(),
+        };
+        (names.iter().enumerate())
+            .flat_map(|(i, layer)| {
+                let letters = layer.channels.chars().enumerate();
+                letters.map(move |(c, letter)| (i, layer.name.as_str(), c, letter))
+            })
+            .map(channel)
+            .collect()
     }
 }

@@ -24,18 +24,46 @@ pub enum FeatureIntegrator {
     },
 }
 
+/// The first surface on a camera ray.
+pub(super) struct FirstSurface {
+    /// How far away.
+    pub(super) t: f64,
+    point: SurfacePoint,
+}
+
+/// What each camera ray meets first.
+pub(super) fn first_surfaces(world: &World, batch: &[CameraRay]) -> Vec<Option<FirstSurface>> {
+    let rays: Vec<Ray> = batch.iter().map(|camera| camera.ray).collect();
+    let mut hits = vec![None; rays.len()];
+    world.intersect_batch(&rays, &mut hits);
+    (rays.iter().zip(&hits))
+        .map(|(ray, hit)| {
+            let hit = hit.as_ref()?;
+            let (t, point) = (hit.t, world.surface(ray, hit));
+            Some(FirstSurface { t, point })
+        })
+        .collect()
+}
+
+impl FirstSurface {
+    /// The shading normal, towards the camera.
+    pub(super) fn normal(&self) -> Vec3 {
+        self.point.side * self.point.ns
+    }
+
+    /// Its colour, unlit.
+    pub(super) fn albedo(&self, world: &World) -> Rgb {
+        world.bsdf(&self.point, &Media::default()).albedo()
+    }
+}
+
 impl Integrator for FeatureIntegrator {
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
-        let rays: Vec<Ray> = batch.iter().map(|camera| camera.ray).collect();
-        let mut hits = vec![None; rays.len()];
-        world.intersect_batch(&rays, &mut hits);
-        let mut traced = rays.len() as u64;
-        for (i, camera) in batch.iter().enumerate() {
-            radiance[i] = match &hits[i] {
-                Some(hit) => {
-                    let point = world.surface(&camera.ray, hit);
-                    self.show(world, camera, hit.t, &point, &mut traced)
-                }
+        let mut traced = batch.len() as u64;
+        let surfaces = first_surfaces(world, batch);
+        for ((camera, surface), radiance) in batch.iter().zip(&surfaces).zip(radiance) {
+            *radiance = match surface {
+                Some(surface) => self.show(world, camera, surface, &mut traced),
                 None => match self {
                     Self::Flat => world.scene().environment,
                     Self::Ao { .. } => Rgb::ONE,
@@ -52,23 +80,20 @@ impl FeatureIntegrator {
         self,
         world: &World,
         camera: &CameraRay,
-        t: f64,
-        point: &SurfacePoint,
+        surface: &FirstSurface,
         traced: &mut u64,
     ) -> Rgb {
-        let facing = |n: Vec3| point.side * n;
+        let point = &surface.point;
         match self {
-            Self::Normals => 0.5 * facing(point.ns) + 0.5,
-            Self::Depth => Rgb::splat(t as f32),
-            Self::Flat => {
-                let emitted = world.material(point).emitted(&point.texture);
-                world.bsdf(point, &Media::default()).albedo() + emitted
-            }
+            Self::Normals => 0.5 * surface.normal() + 0.5,
+            Self::Depth => Rgb::splat(surface.t as f32),
+            Self::Flat => surface.albedo(world) + world.material(point).emitted(&point.texture),
             Self::Ao { radius } => {
                 *traced += 1;
                 let [u, v, ..] = camera.sampler.set(1);
                 let local = cosine_hemisphere(Vec2::new(u, v));
-                let direction = Frame::around(facing(point.ng)).to_world(local);
+                let normal = point.side * point.ng;
+                let direction = Frame::around(normal).to_world(local);
                 let mut ray = point.spawn(direction);
                 ray.tmax = radius.unwrap_or_else(|| 0.25 * world.bounds().size().length());
                 Rgb::splat(if world.occluded(&ray) { 0.0 } else { 1.0 })

@@ -2,16 +2,19 @@
 //! world together.
 
 mod features;
+mod layers;
 mod path;
 mod whitted;
 
 pub use features::FeatureIntegrator;
-pub use path::{PathIntegrator, Probe};
+pub use layers::{LayerKind, layered_integrator};
+pub use path::{DirectIntegrator, PathIntegrator, Probe, Strategy};
 pub use whitted::WhittedIntegrator;
 
 use glam::DVec3;
 
 use crate::color::Rgb;
+use crate::film::Layer;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::IntegratorSettings;
@@ -31,6 +34,22 @@ pub trait Integrator: Sync {
     /// Writes one estimate for each ray of the batch into `radiance`, of the same length; returns how
     /// many rays were traced. An estimate depends on its own ray and samples alone.
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64;
+
+    /// What [`Self::radiance_and_layers`] tells beside the radiance.
+    fn layers(&self) -> &[Layer] {
+        &[]
+    }
+
+    /// [`Self::radiance`], and for each ray in turn all its layers into `layers`.
+    fn radiance_and_layers(
+        &self,
+        world: &World,
+        batch: &[CameraRay],
+        radiance: &mut [Rgb],
+        _layers: &mut [Rgb],
+    ) -> u64 {
+        self.radiance(world, batch, radiance)
+    }
 }
 
 /// The media in which the rays of a batch start; mostly they have one origin.
@@ -54,6 +73,7 @@ pub fn integrator(settings: &IntegratorSettings) -> Box<dyn Integrator> {
             max_depth,
             russian_roulette,
         }),
+        IntegratorSettings::Direct { max_depth } => Box::new(DirectIntegrator { max_depth }),
         IntegratorSettings::Whitted {
             max_depth,
             shadow_factor,

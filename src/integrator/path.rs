@@ -21,24 +21,52 @@ pub struct PathIntegrator {
     pub russian_roulette: bool,
 }
 
-/// Is shown the rays of paths before they are traced, a batch at a time.
+/// Light that reaches the camera straight from its source or over mirrors and clear glass, sampled as
+/// [`PathIntegrator`] does it: a path goes on as long as delta lobes send it on.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectIntegrator {
+    /// Most scattering events on a path.
+    pub max_depth: u32,
+}
+
+/// Is shown what paths do, a batch at a time: their rays before they are traced, and the light they bring.
 pub trait Probe {
     /// Rays whose closest hits are asked for; at depth 0 those of the camera.
-    fn closest(&mut self, depth: u32, rays: &[Ray]);
+    fn closest(&mut self, _depth: u32, _rays: &[Ray]) {}
 
     /// Rays from a surface to a light, asked whether anything lies between.
-    fn shadow(&mut self, rays: &[Ray]);
+    fn shadow(&mut self, _rays: &[Ray]) {}
+
+    /// Light that is added to the radiance of ray `index` of the batch, scattered `bounces` times on its way.
+    fn light(&mut self, _index: usize, _bounces: u32, _strategy: Strategy, _light: Rgb) {}
 }
 
 /// Looks at nothing, at no cost.
-impl Probe for () {
-    fn closest(&mut self, _depth: u32, _rays: &[Ray]) {}
+impl Probe for () {}
 
-    fn shadow(&mut self, _rays: &[Ray]) {}
+/// How light was found. The weights of multiple importance sampling are in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strategy {
+    /// The camera sees the source itself.
+    Emitted,
+    /// A light was aimed at.
+    Light,
+    /// A direction drawn from a surface's BSDF, a mirror's too, led to the source.
+    Bsdf,
 }
 
 /// Where even an unlimited path ends: between white walls or mirrors without a way out it never would.
 const LONGEST: u32 = 1 << 16;
+
+/// What the integrators of this file have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tracer {
+    /// Most scattering events on a path.
+    pub(super) most: u32,
+    russian_roulette: bool,
+    /// Whether paths end after the first lobe that is no delta.
+    direct: bool,
+}
 
 /// A path under way.
 struct Path {
@@ -68,7 +96,7 @@ impl Integrator for PathIntegrator {
 }
 
 impl PathIntegrator {
-    /// [`Integrator::radiance`] with a look at every ray.
+    /// [`Integrator::radiance`] with a look at everything.
     pub fn radiance_probed(
         &self,
         world: &World,
@@ -76,7 +104,59 @@ impl PathIntegrator {
         radiance: &mut [Rgb],
         probe: &mut impl Probe,
     ) -> u64 {
+        Tracer::from(*self).trace(world, batch, radiance, probe)
+    }
+}
+
+impl Integrator for DirectIntegrator {
+    fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
+        Tracer::from(*self).trace(world, batch, radiance, &mut ())
+    }
+}
+
+impl From<PathIntegrator> for Tracer {
+    fn from(path: PathIntegrator) -> Self {
+        Self {
+            most: path.max_depth.unwrap_or(LONGEST).min(LONGEST),
+            russian_roulette: path.russian_roulette,
+            direct: false,
+        }
+    }
+}
+
+impl From<DirectIntegrator> for Tracer {
+    fn from(direct: DirectIntegrator) -> Self {
+        Self {
+            most: direct.max_depth.min(LONGEST),
+            russian_roulette: false,
+            direct: true,
+        }
+    }
+}
+
+/// Takes the light that paths bring.
+struct Sink<'a, P> {
+    radiance: &'a mut [Rgb],
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Sink<'_, P> {
+    fn add(&mut self, index: usize, bounces: u32, strategy: Strategy, light: Rgb) {
+        self.radiance[index] += light;
+        self.probe.light(index, bounces, strategy, light);
+    }
+}
+
+impl Tracer {
+    pub(super) fn trace(
+        self,
+        world: &World,
+        batch: &[CameraRay],
+        radiance: &mut [Rgb],
+        probe: &mut impl Probe,
+    ) -> u64 {
         radiance.fill(Rgb::ZERO);
+        let mut sink = Sink { radiance, probe };
         let mut paths: Vec<Path> = (batch.iter().zip(media(world, batch)).enumerate())
             .map(|(index, (camera, media))| Path {
                 index,
@@ -94,10 +174,13 @@ impl PathIntegrator {
         let mut shadow_rays: Vec<Ray> = Vec::new();
         let mut blocked = vec![false; rays.len()];
         let mut traced = 0;
-        let most = self.max_depth.unwrap_or(LONGEST).min(LONGEST);
-        for depth in 0..=most {
+        for depth in 0..=self.most {
+            let found = match depth {
+                0 => Strategy::Emitted,
+                _ => Strategy::Bsdf,
+            };
             traced += rays.len() as u64;
-            probe.closest(depth, &rays);
+            sink.probe.closest(depth, &rays);
             world.intersect_batch(&rays, &mut hits[..rays.len()]);
             let mut alive = 0;
             for i in 0..rays.len() {
@@ -106,12 +189,14 @@ impl PathIntegrator {
                 let left = paths[i].media.transmittance(distance);
                 paths[i].beta *= left;
                 let Some(hit) = hits[i] else {
-                    radiance[index] += paths[i].beta * world.scene().environment;
+                    let light = paths[i].beta * world.scene().environment;
+                    sink.add(index, depth, found, light);
                     continue;
                 };
                 let point = world.surface(&rays[i], &hit);
-                radiance[index] += emitted(world, &paths[i], &hit, &point);
-                if depth >= most {
+                let light = emitted(world, &paths[i], &hit, &point);
+                sink.add(index, depth, found, light);
+                if depth >= self.most || (self.direct && paths[i].pdf.is_finite()) {
                     continue;
                 }
                 let wo = -rays[i].direction.as_vec3();
@@ -137,12 +222,12 @@ impl PathIntegrator {
             rays.truncate(alive);
             traced += shadows.len() as u64;
             let blocked = &mut blocked[..shadows.len()];
-            probe.shadow(&shadow_rays);
+            sink.probe.shadow(&shadow_rays);
             world.occluded_batch(&shadow_rays, blocked);
             shadow_rays.clear();
             for (shadow, blocked) in shadows.drain(..).zip(blocked) {
                 if !*blocked {
-                    radiance[shadow.index] += shadow.light;
+                    sink.add(shadow.index, depth + 1, Strategy::Light, shadow.light);
                 }
             }
             if paths.is_empty() {
@@ -190,10 +275,10 @@ fn direct(
     (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))
 }
 
-impl PathIntegrator {
+impl Tracer {
     /// Draws the path's next direction; `None` where it ends.
     fn scatter(
-        &self,
+        self,
         path: &mut Path,
         point: &SurfacePoint,
         bsdf: &Bsdf,

@@ -99,6 +99,11 @@ pub enum IntegratorSettings {
         /// Whether dim paths are ended at random.
         russian_roulette: bool,
     },
+    /// Light straight from its sources, or over mirrors and clear glass.
+    Direct {
+        /// Most scattering events on a path.
+        max_depth: u32,
+    },
     /// Recursive ray tracing: direct light at diffuse surfaces, mirrors and refraction followed.
     Whitted {
         /// Most mirror reflections and refractions on a path.
@@ -134,6 +139,11 @@ impl IntegratorSettings {
             max_depth: Some(8),
             russian_roulette: true,
         }
+    }
+
+    /// Direct light as it is where nothing else is said.
+    pub fn direct() -> Self {
+        Self::Direct { max_depth: 8 }
     }
 
     /// Recursive ray tracing as it is where nothing else is said.

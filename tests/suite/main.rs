@@ -2,6 +2,7 @@
 
 #![allow(unreachable_pub)] // Everything in a test binary is private to it.
 mod accel;
+mod adaptive;
 mod bare_model;
 mod bench;
 mod bsdf;
@@ -13,6 +14,7 @@ mod csg;
 mod csg_info;
 mod csg_light;
 mod csg_scene;
+mod direct;
 mod embree;
 mod exr;
 mod film;
@@ -21,6 +23,7 @@ mod girl;
 #[cfg(feature = "embree")]
 mod hits;
 mod layering;
+mod layers;
 mod lights;
 mod loaders;
 mod materials;

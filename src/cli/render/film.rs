@@ -10,14 +10,14 @@ use clap::Args;
 use crate::camera::Camera;
 use crate::color::Encoding;
 use crate::error::{Error, ErrorKind, Place, Result};
-use crate::integrator::integrator;
 use crate::io::{Video, VideoSettings, check_image_path, read_bitmap, screen_bytes};
 use crate::render::{RenderSettings, render};
 
 use super::super::progress::{Progress, catch_interrupts, interrupted};
 use super::super::values::{MOST_FRAMES, parse_frames};
 use super::super::{INTERRUPTED, is_png};
-use super::{RenderArgs, for_looking, report_bad, speed};
+use super::report::{report_bad, speed};
+use super::{RenderArgs, for_looking};
 
 #[derive(Args)]
 pub(super) struct FilmArgs {
@@ -110,6 +110,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     let (outputs, video) = args.film_outputs()?;
     let scene = args.scene()?;
     let size = scene.film.size;
+    let integrator = args.integrator(&scene, &outputs)?;
     let shots = args.shots(args.camera(&scene)?, size, &outputs)?;
     let film = VideoSettings {
         size,
@@ -122,7 +123,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     let world = args.input.build(scene)?;
     let scene = world.scene();
     let settings = args.settings(scene)?;
-    let integrator = integrator(&scene.integrator);
 
     catch_interrupts();
     let taken = |shot: &Shot| !shot.is_there(video.is_some());
@@ -149,7 +149,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
         report_bad(&rendered);
         rays += rendered.rays;
         time += rendered.time;
-        let mut image = rendered.film.to_image();
+        let mut image = rendered.to_image();
         image.metadata = args.metadata(scene, &shot.camera, &settings, &rendered);
         let number = ("frame".to_owned(), shot.number.to_string());
         image.metadata.push(number);
@@ -191,11 +191,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
             kept => format!(" of which {kept} were there"),
         };
         println!(
-            "{}: {} frames{kept}, {}x{}, {samples} spp, {}",
+            "{}: {} frames{kept}, {}x{}, {samples} spp{}, {}",
             made.join(", "),
             shots.len(),
             size.0,
             size.1,
+            settings.noise.map_or("", |_| " at most"),
             speed(rays, time)
         );
     }

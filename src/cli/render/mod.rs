@@ -1,27 +1,29 @@
 mod film;
+mod names;
+mod report;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::prelude::*;
 
-use crate::camera::{Camera, Projection};
-use crate::color::Tonemap;
+use crate::camera::Camera;
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{PixelSum, Rect};
+use crate::film::Rect;
 use crate::image::Image;
-use crate::integrator::integrator;
+use crate::integrator::{Integrator, LayerKind, layered_integrator};
 use crate::io::{Precision, WriteOptions, check_image_path, write_image};
-use crate::render::{RenderSettings, Rendered, render};
-use crate::sampling::SamplerKind;
+use crate::render::{RenderSettings, render};
 use crate::scene::{IntegratorSettings, Scene};
 
 use self::film::FilmArgs;
+use self::names::{IntegratorName, LayerName, SamplerName, TonemapName};
+use self::report::{figures, names, report_bad};
 use super::progress::{Progress, catch_interrupts, interrupted};
-use super::values::{parse_crop, parse_samples, parse_size, parse_time};
-use super::{INTERRUPTED, InputArgs, grouped, is_png, warn};
+use super::values::{parse_crop, parse_noise, parse_samples, parse_size, parse_time};
+use super::{INTERRUPTED, InputArgs, is_png, warn};
 
 #[derive(Args)]
 pub(super) struct RenderArgs {
@@ -69,6 +71,18 @@ pub(super) struct RenderArgs {
     /// Stop after this long with what there is, as 90s, 10m or 1h
     #[arg(long, value_parser = parse_time, conflicts_with = "moving")]
     time: Option<Duration>,
+    /// Give no more samples to parts whose relative error is estimated to be at most this, as 0.02
+    #[arg(long, value_name = "ERROR", value_parser = parse_noise)]
+    noise: Option<f64>,
+    /// What the EXR holds beside the picture
+    #[arg(
+        long,
+        value_enum,
+        value_name = "LAYER,..",
+        visible_alias = "aov",
+        value_delimiter = ','
+    )]
+    layers: Vec<LayerName>,
     #[command(flatten)]
     film: FilmArgs,
     /// Curve of the PNG [default: the scene's]
@@ -88,29 +102,6 @@ pub(super) struct RenderArgs {
     quiet: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum IntegratorName {
-    Path,
-    Whitted,
-    Normals,
-    Depth,
-    Flat,
-    Ao,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum SamplerName {
-    Sobol,
-    Independent,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum TonemapName {
-    Srgb,
-    Gamma22,
-    None,
-}
-
 pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.film.wanted() {
         return film::run(args);
@@ -122,6 +113,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     let scene = args.scene()?;
     let camera = args.camera(&scene)?.clone();
     let lens = camera.lens(scene.film.size)?;
+    let integrator = args.integrator(&scene, &outputs)?;
     let world = args.input.build(scene)?;
     let settings = args.settings(world.scene())?;
     let scene = world.scene();
@@ -130,12 +122,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode> {
     let pixels = u64::from(settings.area.width) * u64::from(settings.area.height);
     let total = pixels * u64::from(settings.samples.end - settings.samples.start);
     let progress = Progress::new(total, args.quiet, args.time);
-    let integrator = integrator(&scene.integrator);
     let rendered = render(&world, &lens, integrator.as_ref(), &settings, &progress)?;
     progress.finish();
     report_bad(&rendered);
 
-    let mut image = rendered.film.to_image();
+    let mut image = rendered.to_image();
     image.metadata = args.metadata(scene, &camera, &settings, &rendered);
     args.write(scene, &image, &outputs)?;
     if !args.quiet {
@@ -202,18 +193,15 @@ impl RenderArgs {
         let film = &mut scene.film;
         film.size = self.size.unwrap_or(film.size);
         film.spp = self.spp.unwrap_or(film.spp);
-        film.tonemap = self.tonemap.map_or(film.tonemap, |name| match name {
-            TonemapName::Srgb => Tonemap::Srgb,
-            TonemapName::Gamma22 => Tonemap::Gamma22,
-            TonemapName::None => Tonemap::None,
-        });
+        film.tonemap = self.tonemap.map_or(film.tonemap, TonemapName::tonemap);
         if let Some(name) = self.integrator {
             name.choose(&mut scene.integrator);
         }
         if let Some(most) = self.max_depth {
             match &mut scene.integrator {
                 IntegratorSettings::Path { max_depth, .. } => *max_depth = Some(most),
-                IntegratorSettings::Whitted { max_depth, .. } => *max_depth = most,
+                IntegratorSettings::Direct { max_depth }
+                | IntegratorSettings::Whitted { max_depth, .. } => *max_depth = most,
                 _ => {}
             }
         }
@@ -242,6 +230,18 @@ impl RenderArgs {
         })
     }
 
+    /// The scene's integrator, with the layers that an EXR among `outputs` is to hold.
+    fn integrator(&self, scene: &Scene, outputs: &[PathBuf]) -> Result<Box<dyn Integrator>> {
+        if !self.layers.is_empty() && outputs.iter().all(|path| is_png(path)) {
+            return Err(
+                Error::new(ErrorKind::Usage, "there is no EXR for the layers")
+                    .help("name one with -o NAME.exr, or leave --layers out"),
+            );
+        }
+        let layers: Vec<LayerKind> = self.layers.iter().map(|layer| layer.kind()).collect();
+        layered_integrator(&scene.integrator, &layers)
+    }
+
     fn settings(&self, scene: &Scene) -> Result<RenderSettings> {
         let whole = Rect::of_size(scene.film.size);
         let area = match self.crop {
@@ -262,87 +262,14 @@ impl RenderArgs {
         Ok(RenderSettings {
             area,
             samples: self.samples.map_or(whole.samples, |(a, b)| a..b),
-            sampler: match self.sampler {
-                SamplerName::Sobol => SamplerKind::Sobol,
-                SamplerName::Independent => SamplerKind::Independent,
-            },
+            sampler: self.sampler.kind(),
             seed: self.seed,
+            noise: self.noise,
             threads: self.threads,
             tile_size: self.tile_size,
             ..whole
         })
     }
-
-    /// What made the picture. Threads, tiles and time are left out: the file is the same for all.
-    fn metadata(
-        &self,
-        scene: &Scene,
-        camera: &Camera,
-        settings: &RenderSettings,
-        rendered: &Rendered,
-    ) -> Vec<(String, String)> {
-        let input = &self.input.input;
-        let file = input
-            .file_name()
-            .unwrap_or(input.as_os_str())
-            .to_string_lossy();
-        let counts = rendered.film.pixels().iter().map(PixelSum::count);
-        let spp = counts.max().unwrap_or(0);
-        let mut metadata = vec![
-            ("scene", file.into_owned()),
-            ("camera", camera_text(camera)),
-            ("integrator", format!("{:?}", scene.integrator)),
-            ("spp", spp.to_string()),
-            (
-                "samples",
-                format!("{}..{}", settings.samples.start, settings.samples.end),
-            ),
-            ("sampler", format!("{:?}", settings.sampler)),
-            ("seed", settings.seed.to_string()),
-            ("filter", format!("{:?}", settings.filter)),
-            ("solidtrace", env!("CARGO_PKG_VERSION").to_owned()),
-        ];
-        if !rendered.complete {
-            metadata.push(("incomplete", "the render was stopped early".to_owned()));
-        }
-        if self.record_time {
-            metadata.push(("seconds", format!("{:.3}", rendered.time.as_secs_f64())));
-        }
-        (metadata.into_iter())
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect()
-    }
-}
-
-impl IntegratorName {
-    /// Keeps the scene's parameters where it already uses this integrator.
-    fn choose(self, settings: &mut IntegratorSettings) {
-        match (self, &settings) {
-            (Self::Path, IntegratorSettings::Path { .. })
-            | (Self::Whitted, IntegratorSettings::Whitted { .. })
-            | (Self::Ao, IntegratorSettings::Ao { .. }) => {}
-            (Self::Path, _) => *settings = IntegratorSettings::path(),
-            (Self::Whitted, _) => *settings = IntegratorSettings::whitted(),
-            (Self::Normals, _) => *settings = IntegratorSettings::Normals,
-            (Self::Depth, _) => *settings = IntegratorSettings::Depth,
-            (Self::Flat, _) => *settings = IntegratorSettings::Flat,
-            (Self::Ao, _) => *settings = IntegratorSettings::Ao { radius: None },
-        }
-    }
-}
-
-fn camera_text(camera: &Camera) -> String {
-    let name = camera
-        .name
-        .as_ref()
-        .map_or(String::new(), |name| format!("{name}: "));
-    let (eye, look_at, up) = (camera.eye, camera.look_at, camera.up);
-    let projection = match camera.projection {
-        Projection::Perspective { vfov, .. } => format!("vfov {}", vfov.to_degrees()),
-        Projection::Orthographic { height } => format!("orthographic height {height}"),
-        Projection::Panorama => "panorama".to_owned(),
-    };
-    format!("{name}eye {eye} look_at {look_at} up {up} {projection}")
 }
 
 /// Distances have no place in a PNG's 0..=1: they are shown against the largest.
@@ -351,56 +278,11 @@ fn for_looking(integrator: &IntegratorSettings, image: &Image) -> Option<Image> 
         return None;
     }
     let mut shown = image.clone();
+    shown.channels.truncate(3);
     let values = shown.channels.iter().flat_map(|c| &c.values);
     let largest = values.copied().fold(f32::MIN_POSITIVE, f32::max);
     for value in shown.channels.iter_mut().flat_map(|c| &mut c.values) {
         *value /= largest;
     }
     Some(shown)
-}
-
-fn report_bad(rendered: &Rendered) {
-    let Some(first) = rendered.bad.first() else {
-        return;
-    };
-    eprintln!(
-        "warning: {} samples were not finite numbers and were left out; the first is sample {} of pixel {:?}",
-        rendered.bad.len(),
-        first.index,
-        first.pixel
-    );
-}
-
-/// Paths as a list.
-fn names(paths: &[PathBuf]) -> String {
-    let names: Vec<String> = paths
-        .iter()
-        .map(|path| path.display().to_string())
-        .collect();
-    names.join(", ")
-}
-
-/// What the closing line tells.
-fn figures(rendered: &Rendered, settings: &RenderSettings, size: (u32, u32)) -> String {
-    format!(
-        "{}x{}, {} spp{}, {}",
-        size.0,
-        size.1,
-        settings.samples.end - settings.samples.start,
-        if rendered.complete {
-            ""
-        } else {
-            " at most, stopped early"
-        },
-        speed(rendered.rays, rendered.time),
-    )
-}
-
-fn speed(rays: u64, time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    format!(
-        "{} rays in {seconds:.2} s, {:.2} Mrays/s",
-        grouped(rays),
-        rays as f64 / seconds.max(1e-9) / 1e6,
-    )
 }

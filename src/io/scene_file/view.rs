@@ -53,7 +53,9 @@ fn tonemap(node: &Node) -> Result<Tonemap> {
 }
 
 pub(super) fn integrator(node: &Node) -> Result<IntegratorSettings> {
-    const NAMES: [&str; 6] = ["Path", "Whitted", "Normals", "Depth", "Flat", "Ao"];
+    const NAMES: [&str; 7] = [
+        "Path", "Direct", "Whitted", "Normals", "Depth", "Flat", "Ao",
+    ];
     let choice = Choice::of(node, "an integrator")?;
     match choice.name {
         "Path" => choice.record(|f| {
@@ -62,6 +64,11 @@ pub(super) fn integrator(node: &Node) -> Result<IntegratorSettings> {
                     node.unless_none(|node| node.count(0, 1_000_000))
                 })?,
                 russian_roulette: f.or("russian_roulette", true, Node::boolean)?,
+            })
+        }),
+        "Direct" => choice.record(|f| {
+            Ok(IntegratorSettings::Direct {
+                max_depth: f.or("max_depth", 8, |node| node.count(0, 10_000))?,
             })
         }),
         "Whitted" => choice.record(|f| {

@@ -160,6 +160,7 @@ fn settings_must_be_in_range() {
     setting_fails("film: (filter: Box(radius: «0))", &["`0`"]);
     setting_fails("integrator: Path(max_depth: «-1)", &["`-1`"]);
     setting_fails("integrator: Whitted(shadow_factor: «2)", &["`2`", "0..=1"]);
+    setting_fails("integrator: Direct(max_depth: «1.5)", &["`1.5`"]);
     setting_fails("integrator: Ao(radius: «0)", &["`0`"]);
     setting_fails(
         "integrator: Normals(«radius: 1)",
