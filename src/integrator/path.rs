@@ -201,7 +201,7 @@ impl Tracer {
                 }
                 let wo = -rays[i].direction.as_vec3();
                 let bsdf = world.bsdf(&point, &paths[i].media);
-                let [pick, u, v, _] = paths[i].sampler.set(2 * depth + 2);
+                let [u, v, pick, _] = paths[i].sampler.set(2 * depth + 2);
                 if bsdf.is_smooth()
                     && let Some((ray, light)) =
                         direct(world, &paths[i], &point, &bsdf, wo, pick, Vec2::new(u, v))
@@ -285,7 +285,7 @@ impl Tracer {
         wo: Vec3,
         depth: u32,
     ) -> Option<Ray> {
-        let [pick, u, v, survive] = path.sampler.set(2 * depth + 1);
+        let [u, v, pick, survive] = path.sampler.set(2 * depth + 1);
         let sample = bsdf.sample(wo, pick, Vec2::new(u, v))?;
         path.beta *= sample.weight;
         path.eta2 *= sample.eta2;

@@ -52,7 +52,7 @@ impl WhittedIntegrator {
                 };
                 light += beta * self.direct(world, &point, reflected, camera, depth, traced);
             }
-            let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
+            let [u, v, pick, _] = camera.sampler.set(2 * depth + 1);
             let sample = bsdf.sample(wo, pick, Vec2::new(u, v));
             let Some(sample) = sample.filter(|sample| sample.pdf.is_infinite()) else {
                 return light;
@@ -103,7 +103,7 @@ impl WhittedIntegrator {
             }
         }
         if extended {
-            let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
+            let [u, v, pick, _] = camera.sampler.set(2 * depth + 2);
             let sample = lights.sample(point.p, pick, Vec2::new(u, v));
             if let Some(sample) = sample.filter(|sample| sample.pdf.is_finite()) {
                 sum += add(sample);

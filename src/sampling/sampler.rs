@@ -34,15 +34,11 @@ impl Sampler {
     pub fn set(&self, set: u32) -> [f32; 4] {
         match self.kind {
             SamplerKind::Sobol => {
-                // The tables hold 64 sets of four dimensions and 65,536 points; beyond, a new
-                // scramble starts over.
-                let rounds = u64::from(set / 64) << 32 | u64::from(self.index >> 16);
-                let seed = if rounds == 0 {
-                    self.pixel_seed
-                } else {
-                    mix(rounds ^ u64::from(self.pixel_seed) << 16) as u32
-                };
-                sobol_burley::sample_4d(self.index & 0xffff, set % 64, seed)
+                // Every set is the sequence's first four dimensions, whose projections are its best, in an order
+                // and a scramble of its own (Burley 2020, section 5); so is every 65,536 points.
+                let own = set ^ (self.index & 0xffff_0000);
+                let seed = self.pixel_seed ^ own.wrapping_mul(0x9e37_79b9);
+                sobol_burley::sample_4d(self.index & 0xffff, 0, seed)
             }
             SamplerKind::Independent => {
                 let state = mix(u64::from(self.index) << 32 | u64::from(set));
