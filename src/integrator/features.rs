@@ -37,7 +37,7 @@ impl Integrator for FeatureIntegrator {
                     self.show(world, camera, hit.t, &point, &mut traced)
                 }
                 None => match self {
-                    Self::Flat => world.scene().environment,
+                    Self::Flat => world.beyond(camera.ray.direction, |_| 1.0),
                     Self::Ao { .. } => Rgb::ONE,
                     Self::Normals | Self::Depth => Rgb::ZERO,
                 },

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::color::{Encoding, Rgb};
 use crate::error::Place;
 use crate::geometry::{CsgOp, Solid};
-use crate::light::PointLight;
+use crate::light::Light;
 use crate::material::Surface;
 use crate::math::Transform;
 use crate::texture::{Pattern, Ramp, Sampling};
@@ -27,8 +27,8 @@ pub struct SceneDescription {
     pub cameras: Vec<Camera>,
     /// Radiance that comes from every direction in which a ray meets nothing.
     pub environment: Rgb,
-    /// Lights without extent.
-    pub lights: Vec<PointLight>,
+    /// Lights that are no object's surface.
+    pub lights: Vec<Light>,
     /// The textures that materials and textures further down name; no two of one name.
     pub textures: Vec<(String, TextureDescription)>,
     /// The materials that objects name; no two of one name.

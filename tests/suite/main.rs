@@ -20,6 +20,7 @@ mod furnace;
 mod girl;
 #[cfg(feature = "embree")]
 mod hits;
+mod infinity;
 mod layering;
 mod lights;
 mod loaders;

@@ -6,6 +6,7 @@ use solidtrace::camera::Projection;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
+use solidtrace::light::{Light, PointLight};
 use solidtrace::material::{Fresnel, Surface};
 use solidtrace::scene::description::{ShapeDescription, SurfaceDescription, TextureDescription};
 use solidtrace::scene::{IntegratorSettings, Repeat, Scene, SceneDescription};
@@ -161,8 +162,11 @@ fn settings_are_as_written() {
     };
     assert_eq!(d.integrator, path);
     assert_eq!(d.environment, Vec3::new(0.2, 0.4, 0.9));
-    assert_eq!(d.lights[0].position, DVec3::new(-10.0, 20.0, 40.0));
-    assert_eq!(d.lights[0].intensity, Vec3::splat(1500.0));
+    let light = Light::Point(PointLight {
+        position: DVec3::new(-10.0, 20.0, 40.0),
+        intensity: Vec3::splat(1500.0),
+    });
+    assert_eq!(d.lights, [light]);
     let [first, near] = &d.cameras[..] else {
         panic!("{} cameras", d.cameras.len());
     };

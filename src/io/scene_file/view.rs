@@ -2,10 +2,11 @@
 
 use crate::color::{Rgb, Tonemap};
 use crate::film::Filter;
-use crate::light::PointLight;
+use crate::light::{Light, PointLight};
 use crate::scene::{FilmSettings, IntegratorSettings};
 
 use super::fields::{Choice, Fields};
+use super::sky;
 use super::tree::{Node, Result};
 
 pub(super) fn film(node: &Node) -> Result<FilmSettings> {
@@ -91,15 +92,16 @@ pub(super) fn environment(node: &Node) -> Result<Rgb> {
     }
 }
 
-pub(super) fn light(node: &Node) -> Result<PointLight> {
+pub(super) fn light(node: &Node) -> Result<Light> {
     let choice = Choice::of(node, "a light")?;
     match choice.name {
         "Point" => choice.record(|f| {
-            Ok(PointLight {
+            Ok(Light::Point(PointLight {
                 position: f.required("position", Node::point)?,
                 intensity: f.required("intensity", Node::radiance)?,
-            })
+            }))
         }),
-        _ => Err(choice.unknown("a light without extent", &["Point"])),
+        "Sun" => choice.record(|f| Ok(Light::Distant(sky::sun(f)?))),
+        _ => Err(choice.unknown("a light", &["Point", "Sun"])),
     }
 }

@@ -1,0 +1,3 @@
+//! Lights that are infinitely far away.
+
+mod sun;
