@@ -65,7 +65,7 @@ impl WhittedIntegrator {
         light + beta * self.background.unwrap_or(Rgb::ZERO)
     }
 
-    /// Direct light from every point light and sun, and from one point of one of the lights that are surfaces; `reflected`
+    /// Direct light from every point light and sun, and from one point of one of the lights that are surfaces, but none from the environment; `reflected`
     /// is what the surface reflects of light from a direction and a distance.
     fn direct(
         &self,
@@ -104,6 +104,7 @@ impl WhittedIntegrator {
                     sum += light.sample(point.p, u2).map_or(Rgb::ZERO, &mut add);
                 }
                 Light::Sphere(_) | Light::Triangle(_) => surfaces = true,
+                Light::Environment(_) => {}
             }
         }
         if surfaces {

@@ -1,22 +1,28 @@
-//! Light sources that paths can aim at: points, spheres, triangles, and disks infinitely far away.
+//! Light sources that paths can aim at: points, spheres, triangles, and what is infinitely far away: disks and pictures.
 //!
 //! The constant environment is not among them: drawing directions from the BSDF samples it perfectly
 //! on diffuse and specular surfaces alike.
 
 mod distant;
+mod environment;
 mod point;
 mod sampler;
+mod sky;
 mod sphere;
 mod triangle;
 
 pub use sampler::LightSampler;
+
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::color::Rgb;
 
 pub use distant::DistantLight;
+pub use environment::EnvironmentMap;
 pub use point::PointLight;
+pub use sky::Sky;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
 
@@ -31,6 +37,8 @@ pub enum Light {
     Triangle(TriangleLight),
     /// A disk infinitely far away.
     Distant(DistantLight),
+    /// A picture infinitely far away, all around.
+    Environment(Arc<EnvironmentMap>),
 }
 
 /// Where a sample's light comes from.
@@ -79,6 +87,7 @@ impl Light {
             Self::Sphere(sphere) => sphere.sample(from, u2),
             Self::Triangle(triangle) => triangle.sample(from, u2),
             Self::Distant(distant) => Some(distant.sample(u2)),
+            Self::Environment(map) => map.sample(u2),
         }
     }
 
@@ -86,7 +95,7 @@ impl Light {
     /// [`Self::beyond`] says it.
     pub fn pdf(&self, from: DVec3, p: DVec3) -> f32 {
         match self {
-            Self::Point(_) | Self::Distant(_) => 0.0,
+            Self::Point(_) | Self::Distant(_) | Self::Environment(_) => 0.0,
             Self::Sphere(sphere) => sphere.pdf(from),
             Self::Triangle(triangle) => triangle.pdf(from, p),
         }
@@ -97,22 +106,25 @@ impl Light {
     fn beyond(&self, wi: DVec3) -> Option<(Rgb, f32)> {
         match self {
             Self::Distant(distant) => distant.beyond(wi),
+            Self::Environment(map) => Some(map.beyond(wi)),
             _ => None,
         }
     }
 
     /// Whether it is infinitely far away.
     fn is_infinite(&self) -> bool {
-        matches!(self, Self::Distant(_))
+        matches!(self, Self::Distant(_) | Self::Environment(_))
     }
 
-    /// Emitted power in W, summed over channels; of lights at infinity the irradiance on a surface that faces them.
+    /// Emitted power in W, summed over channels; of lights at infinity their radiance over all
+    /// directions.
     fn power(&self) -> f64 {
         match self {
             Self::Point(point) => point.power(),
             Self::Sphere(sphere) => sphere.power(),
             Self::Triangle(triangle) => triangle.power(),
             Self::Distant(distant) => distant.power(),
+            Self::Environment(map) => map.power(),
         }
     }
 }

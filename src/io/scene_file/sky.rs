@@ -4,10 +4,40 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
-use crate::light::DistantLight;
+use crate::color::Rgb;
+use crate::light::{DistantLight, Sky};
+use crate::scene::description::EnvironmentDescription;
 
 use super::fields::Fields;
 use super::tree::{Node, Result, Value};
+
+/// Above this nothing multiplies light.
+const LARGEST_SCALE: f64 = 1e6;
+
+/// An environment that is a picture.
+pub(super) fn image(f: &mut Fields) -> Result<EnvironmentDescription> {
+    let degrees = f.or("rotate", 0.0, Node::coordinate)?;
+    Ok(EnvironmentDescription::Image {
+        file: f.required("file", Node::reference)?,
+        rotate: degrees.to_radians(),
+        scale: scale(f)?,
+    })
+}
+
+/// An environment that is a clear sky.
+pub(super) fn sky(f: &mut Fields) -> Result<EnvironmentDescription> {
+    Ok(EnvironmentDescription::Sky(Sky {
+        sun: f.required("sun", heavenly)?,
+        turbidity: f.or("turbidity", 3.0, |node| node.within(1.0, 10.0))?,
+        ground: f.or("ground", Rgb::splat(0.2), Node::albedo)?,
+        scale: scale(f)?,
+        disk: f.or("disk", true, Node::boolean)?,
+    }))
+}
+
+fn scale(f: &mut Fields) -> Result<f32> {
+    Ok(f.or("scale", 1.0, |node| node.within(0.0, LARGEST_SCALE))? as f32)
+}
 
 /// A `Sun` among the lights.
 pub(super) fn sun(f: &mut Fields) -> Result<DistantLight> {
