@@ -10,23 +10,26 @@ use super::{LightSample, Source};
 /// A picture of all directions, infinitely far away: equirectangular as a panorama camera renders it. Its middle column
 /// looks along -z, what lies to the right of that (+x) is in the right half, and the uppermost row is around +y.
 ///
-/// Between the centres of pixels it is interpolated, and light sampling draws from that very interpolation, of luminance
-/// times the sine of the row's polar angle: a pixel by its weight, then a point of the tent around it. Beyond the pole a
-/// tent folds back, as the lookup repeats the last row there.
+/// Between the centres of pixels it is interpolated, and light sampling draws from the same interpolation of weights: a
+/// pixel by its weight, then a point of the tent around it. Beyond the pole a tent folds back, as the lookup repeats the
+/// last row there. A pixel's weight is what its luminance has above the mean of all directions, times the sine of its polar
+/// angle; what is below the mean is left to samples of surfaces (Karlík et al. 2019, "MIS Compensation").
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentMap {
     bitmap: Bitmap,
     /// What is added to longitudes, in turns.
     turn: f64,
-    /// For each row the factor of its pixels' luminance in the density, which has still to be divided by the sine of the
-    /// polar angle; 0 in black pictures.
+    /// Of the luminance, over all directions.
+    mean: f32,
+    /// For each row the factor of its pixels' excess in the density, which has still to be divided by the sine of the
+    /// polar angle; 0 in even pictures.
     row_factors: Vec<f32>,
     /// The share of each row and those above it.
     rows: Vec<f32>,
     /// For each pixel its share of its row and those to its left.
     columns: Vec<f32>,
-    /// The radiance of all directions.
-    total: Rgb,
+    /// The excess over all directions.
+    total: f64,
 }
 
 /// What lies beyond the edges of the picture: itself, and at the poles its last row.
@@ -41,29 +44,29 @@ impl EnvironmentMap {
         let (width, height) = (bitmap.width, bitmap.height);
         let pixel = TAU / width as f64 * PI / height as f64;
         let sine = |row: usize| ((row as f64 + 0.5) / height as f64 * PI).sin();
-        let mut columns = Vec::with_capacity(width * height);
-        let mut weights = Vec::with_capacity(height);
-        let mut total = DVec3::ZERO;
-        for (row, pixels) in bitmap.pixels.chunks(width).enumerate() {
-            columns.extend(cumulative(pixels.iter().map(|&p| f64::from(luminance(p)))));
-            let sum = pixels.iter().fold(DVec3::ZERO, |sum, p| sum + p.as_dvec3());
-            let light: f64 = pixels.iter().map(|&p| f64::from(luminance(p))).sum();
-            total += sum * sine(row) * pixel;
-            weights.push(light * sine(row));
-        }
-        let sum = weights.iter().sum::<f64>() * pixel;
-        let factor = |row: usize| if sum > 0.0 { sine(row) / sum } else { 0.0 };
+        let rows = || bitmap.pixels.chunks(width).enumerate();
+        let light = |row: &[Rgb]| -> f64 { row.iter().map(|&p| f64::from(luminance(p))).sum() };
+        let all: f64 = rows().map(|(i, row)| sine(i) * light(row)).sum();
+        let sines: f64 = (0..height).map(sine).sum();
+        let mean = (all / (sines * width as f64)) as f32;
+        let of_row = |row: &[Rgb]| -> f64 { row.iter().map(|&p| f64::from(excess(p, mean))).sum() };
+        let weights: Vec<f64> = rows().map(|(i, row)| sine(i) * of_row(row)).collect();
+        let total = weights.iter().sum::<f64>() * pixel;
+        let factor = |row: usize| if total > 0.0 { sine(row) / total } else { 0.0 };
+        let columns = rows()
+            .flat_map(|(_, row)| cumulative(row.iter().map(move |&p| f64::from(excess(p, mean)))));
         Self {
             turn: rotate / TAU,
+            mean,
             row_factors: (0..height).map(|row| factor(row) as f32).collect(),
             rows: cumulative(weights.iter().copied()).collect(),
-            columns,
-            total: total.as_vec3(),
+            columns: columns.collect(),
+            total,
             bitmap,
         }
     }
 
-    /// Density as the picture is bright.
+    /// A direction in which there is more light than on average.
     pub(super) fn sample(&self, u2: Vec2) -> Option<LightSample> {
         let (width, height) = (self.bitmap.width, self.bitmap.height);
         let (row, v) = choose(&self.rows, u2.y)?;
@@ -91,16 +94,22 @@ impl EnvironmentMap {
         let y = level.atan2(wi.y) / PI * height;
         let (pixels, between) = self.bitmap.around(x, y, WRAP);
         let colors = pixels.map(|i| self.bitmap.pixels[i]);
-        let weights = pixels
-            .map(|i| luminance(self.bitmap.pixels[i]) * self.row_factors[i / self.bitmap.width]);
+        let weights = pixels.map(|i| {
+            excess(self.bitmap.pixels[i], self.mean) * self.row_factors[i / self.bitmap.width]
+        });
         let density = bilinear(weights, between) / level.max(LEAST_SINE) as f32;
         (bilinear(colors, between), density)
     }
 
-    /// Radiance over all directions, summed over channels.
+    /// What is above the mean over all directions, summed over channels.
     pub(super) fn power(&self) -> f64 {
-        f64::from(self.total.element_sum())
+        3.0 * self.total
     }
+}
+
+/// What a pixel's luminance has above the mean.
+fn excess(color: Rgb, mean: f32) -> f32 {
+    (luminance(color) - mean).max(0.0)
 }
 
 /// The shares of `weights` up to and including each; all 0 where the weights are.

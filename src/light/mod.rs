@@ -116,8 +116,8 @@ impl Light {
         matches!(self, Self::Distant(_) | Self::Environment(_))
     }
 
-    /// Emitted power in W, summed over channels; of lights at infinity their radiance over all
-    /// directions.
+    /// Emitted power in W, summed over channels; of lights at infinity what light sampling aims at
+    /// of their radiance over all directions.
     fn power(&self) -> f64 {
         match self {
             Self::Point(point) => point.power(),

@@ -29,7 +29,7 @@ const HAZE_ALBEDO: f32 = 0.9;
 const HAZE_FORWARD: f32 = 0.8;
 
 /// Steps of a ray, closer together near its start.
-const STEPS: u32 = 40;
+const STEPS: u32 = 64;
 const TRANSMITTANCE_SIZE: (usize, usize) = (256, 64);
 const SCATTERED_SIZE: (usize, usize) = (32, 32);
 
@@ -53,12 +53,12 @@ struct Air {
 }
 
 /// What comes along a ray.
-pub(super) struct Gathered {
-    pub(super) light: Rgb,
+struct Gathered {
+    light: Rgb,
     /// What is left of light from its end.
-    pub(super) left: Rgb,
+    left: Rgb,
     /// The point of the ground where it ends.
-    pub(super) ground: Option<DVec3>,
+    ground: Option<DVec3>,
 }
 
 impl Atmosphere {
@@ -122,8 +122,8 @@ impl Atmosphere {
         look_up(&self.transmittance, x, rho / FARTHEST)
     }
 
-    /// What comes to `from` along a ray in a unit direction, of the sun's light.
-    pub(super) fn gather(&self, from: DVec3, direction: DVec3, sun: DVec3) -> Gathered {
+    /// What air sends to `from` out of a unit direction, of the sun's light.
+    pub(super) fn glow(&self, from: DVec3, direction: DVec3, sun: DVec3) -> Rgb {
         let cos = direction.dot(sun) as f32;
         let (rayleigh, haze) = (rayleigh_phase(cos), haze_phase(cos));
         self.until_its_end(from, direction, |p, air| {
@@ -133,10 +133,11 @@ impl Atmosphere {
             let scattered = look_up(&self.scattered, x, height.max(0.0).sqrt());
             once * self.sunlight(p, sun) + (air.rayleigh + air.haze) * scattered
         })
+        .light
     }
 
     /// The light that ground at `p` sends out, of the sun's alone.
-    pub(super) fn bounced(&self, p: DVec3, sun: DVec3) -> Rgb {
+    fn bounced(&self, p: DVec3, sun: DVec3) -> Rgb {
         let cos = (p.dot(sun) / GROUND).max(0.0) as f32;
         self.ground * self.sunlight(p, sun) * cos / PI
     }
@@ -190,7 +191,7 @@ impl Atmosphere {
         source: impl Fn(DVec3, &Air) -> Rgb,
     ) -> Gathered {
         let (mut light, mut left) = (Rgb::ZERO, Rgb::ONE);
-        let at = |i: u32| distance * (f64::from(i) / f64::from(STEPS)).powi(2);
+        let at = |i: u32| distance * (f64::from(i) / f64::from(STEPS)).powi(3);
         for i in 0..STEPS {
             let (start, end) = (at(i), at(i + 1));
             let p = from + 0.5 * (start + end) * direction;

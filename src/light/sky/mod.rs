@@ -34,23 +34,19 @@ pub struct Sky {
 /// Of the picture of the sky; it is smooth but for heights just above the horizon.
 const WIDTH: usize = 512;
 const HEIGHT: usize = 512;
-/// Of the eye above the ground, km.
-const EYE: f64 = 0.002;
+/// The eye is on the ground.
+const EYE: DVec3 = DVec3::new(0.0, GROUND, 0.0);
 
 impl Sky {
     /// A picture of sky and ground, and the sun where it shines above the horizon.
     pub fn lights(&self) -> Vec<Light> {
         let atmosphere = Atmosphere::new(self.turbidity, self.ground);
-        let eye = (GROUND + EYE) * DVec3::Y;
         let sun = DistantLight {
             direction: self.sun,
-            irradiance: self.scale * PI * atmosphere.sunlight(eye, self.sun),
+            irradiance: self.scale * PI * atmosphere.sunlight(EYE, self.sun),
             angle: DistantLight::SUN_DEGREES.to_radians(),
         };
-        let map = EnvironmentMap::new(
-            self.picture(&atmosphere, eye),
-            -self.sun.x.atan2(-self.sun.z),
-        );
+        let map = EnvironmentMap::new(self.picture(&atmosphere), -self.sun.x.atan2(-self.sun.z));
         let mut lights = vec![Light::Environment(Arc::new(map))];
         if self.disk && sun.irradiance != Rgb::ZERO {
             lights.push(Light::Distant(sun));
@@ -58,45 +54,38 @@ impl Sky {
         lights
     }
 
-    fn picture(&self, atmosphere: &Atmosphere, eye: DVec3) -> Bitmap {
-        // The sun stands above the middle column, and what is left of it is the mirror image of what is right of it.
+    /// The sun stands above the middle column, and what is left of it is the mirror image of what is right of it.
+    fn picture(&self, atmosphere: &Atmosphere) -> Bitmap {
         let level = (1.0 - self.sun.y * self.sun.y).max(0.0).sqrt();
         let sun = DVec3::new(0.0, self.sun.y, -level);
-        let half: Vec<_> = (0..HEIGHT * WIDTH / 2)
+        let right_half: Vec<Rgb> = (0..HEIGHT / 2 * WIDTH / 2)
             .into_par_iter()
             .map(|i| {
                 let (row, column) = (2 * i / WIDTH, i % (WIDTH / 2));
                 let (right, ahead) = ((column as f64 + 0.5) / WIDTH as f64 * TAU).sin_cos();
                 let (level, rise) = polar_angle(row).sin_cos();
                 let direction = DVec3::new(level * right, rise, -level * ahead);
-                atmosphere.gather(eye, direction, sun)
+                self.scale * PI * atmosphere.glow(EYE, direction, sun)
             })
             .collect();
-        let mut irradiance = atmosphere.sunlight(eye, sun) * sun.y.max(0.0) as f32;
-        for (row, gathered) in half.chunks(WIDTH / 2).enumerate().take(HEIGHT / 2) {
+        let rows = || right_half.chunks(WIDTH / 2);
+        let pixel = PI / WIDTH as f32 * TAU as f32 / HEIGHT as f32;
+        let shed = rows().enumerate().map(|(row, half)| {
             let (sin, cos) = polar_angle(row).sin_cos();
-            let angle = TAU / WIDTH as f64 * 0.5 * TAU / HEIGHT as f64;
-            let light: Rgb = gathered.iter().map(|g| g.light).sum();
-            irradiance += 2.0 * light * (sin * cos * angle) as f32;
+            2.0 * half.iter().sum::<Rgb>() * (sin * cos) as f32 * pixel
+        });
+        let of_sun = self.scale * PI * self.sun.y.max(0.0) as f32 * atmosphere.sunlight(EYE, sun);
+        let ground = self.ground / PI * (of_sun + shed.sum::<Rgb>());
+        let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
+        for half in rows() {
+            pixels.extend(half.iter().rev());
+            pixels.extend(half);
         }
-        let bounced = self.ground * irradiance / PI;
-        let pixel = |i: usize| {
-            let (row, column) = (i / WIDTH, i % WIDTH);
-            let beside = if column < WIDTH / 2 {
-                WIDTH / 2 - 1 - column
-            } else {
-                column - WIDTH / 2
-            };
-            let gathered = &half[row * WIDTH / 2 + beside];
-            let ground = gathered
-                .ground
-                .map_or(Rgb::ZERO, |_| gathered.left * bounced);
-            self.scale * PI * (gathered.light + ground)
-        };
+        pixels.resize(WIDTH * HEIGHT, ground);
         Bitmap {
             width: WIDTH,
             height: HEIGHT,
-            pixels: (0..WIDTH * HEIGHT).map(pixel).collect(),
+            pixels,
         }
     }
 }
