@@ -31,7 +31,7 @@ const HAZE_FORWARD: f32 = 0.8;
 /// Steps of a ray, closer together near its start.
 const STEPS: u32 = 64;
 const TRANSMITTANCE_SIZE: (usize, usize) = (256, 64);
-const SCATTERED_SIZE: (usize, usize) = (32, 32);
+const SCATTERED_SIZE: (usize, usize) = (32, 16);
 
 /// The air of one day, lit by a sun that would shed an irradiance of 1 if there were none.
 pub(super) struct Atmosphere {

@@ -32,7 +32,7 @@ pub struct Sky {
 }
 
 /// Of the picture of the sky; it is smooth but for heights just above the horizon.
-const WIDTH: usize = 512;
+const WIDTH: usize = 256;
 const HEIGHT: usize = 512;
 /// The eye is on the ground.
 const EYE: DVec3 = DVec3::new(0.0, GROUND, 0.0);
