@@ -65,7 +65,7 @@ impl Integrator for FeatureIntegrator {
             *radiance = match surface {
                 Some(surface) => self.show(world, camera, surface, &mut traced),
                 None => match self {
-                    Self::Flat => world.scene().environment,
+                    Self::Flat => world.beyond(camera.ray.direction, |_| 1.0),
                     Self::Ao { .. } => Rgb::ONE,
                     Self::Normals | Self::Depth => Rgb::ZERO,
                 },

@@ -189,7 +189,7 @@ impl Tracer {
                 let left = paths[i].media.transmittance(distance);
                 paths[i].beta *= left;
                 let Some(hit) = hits[i] else {
-                    let light = paths[i].beta * world.scene().environment;
+                    let light = beyond(world, &paths[i], &rays[i]);
                     sink.add(index, depth, found, light);
                     continue;
                 };
@@ -252,6 +252,12 @@ fn emitted(world: &World, path: &Path, hit: &Hit, point: &SurfacePoint) -> Rgb {
     path.beta * emission * weight
 }
 
+/// What a ray that meets nothing brings, weighted against light sampling where that aims at it.
+fn beyond(world: &World, path: &Path, ray: &Ray) -> Rgb {
+    // An infinite density outweighs any other.
+    path.beta * world.beyond(ray.direction, |other| power_heuristic(path.pdf, other))
+}
+
 /// Light sampled towards one light: the shadow ray, and what it brings if it is free.
 fn direct(
     world: &World,
@@ -263,16 +269,15 @@ fn direct(
     u2: Vec2,
 ) -> Option<(Ray, Rgb)> {
     let sample = world.lights().sample(point.p, pick, u2)?;
-    let wi = (sample.p - point.p).as_vec3().try_normalize()?;
+    let (wi, distance) = sample.source.seen_from(point.p)?;
     let (f_cos, pdf) = bsdf.eval(wo, wi);
     if f_cos == Rgb::ZERO {
         return None;
     }
     let weight = power_heuristic(sample.pdf, pdf) / sample.divisor();
-    let distance = sample.p.distance(point.p);
     let left = (path.media).towards(point, world.material(point), wi, distance);
     let light = f_cos * sample.li * weight * left;
-    (light != Rgb::ZERO).then(|| (point.towards(sample.p), light))
+    (light != Rgb::ZERO).then(|| (point.towards(sample.source), light))
 }
 
 impl Tracer {

@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::color::Rgb;
-use crate::light::{Light, LightSample};
+use crate::light::{Light, LightSample, Source};
 use crate::math::Ray;
 use crate::world::{Media, SurfacePoint, World};
 
@@ -39,7 +39,8 @@ impl WhittedIntegrator {
             let hit = world.intersect(&ray);
             beta *= media.transmittance(hit.map_or(f64::INFINITY, |hit| hit.t));
             let Some(hit) = hit else {
-                return light + beta * self.background.unwrap_or(world.scene().environment);
+                let beyond = || world.beyond(ray.direction, |_| 1.0);
+                return light + beta * self.background.unwrap_or_else(beyond);
             };
             let point = world.surface(&ray, &hit);
             light += beta * world.material(&point).emitted(&point.texture);
@@ -64,8 +65,8 @@ impl WhittedIntegrator {
         light + beta * self.background.unwrap_or(Rgb::ZERO)
     }
 
-    /// Direct light from every point light, and from one point of one of the others; `reflected` is what the surface
-    /// reflects of light from a direction and a distance.
+    /// Direct light from every point light and sun, and from one point of one of the lights that are surfaces, but none from the environment; `reflected`
+    /// is what the surface reflects of light from a direction and a distance.
     fn direct(
         &self,
         world: &World,
@@ -76,15 +77,15 @@ impl WhittedIntegrator {
         traced: &mut u64,
     ) -> Rgb {
         let mut add = |sample: LightSample| {
-            let Some(wi) = (sample.p - point.p).as_vec3().try_normalize() else {
+            let Some((wi, distance)) = sample.source.seen_from(point.p) else {
                 return Rgb::ZERO;
             };
-            let f_cos = reflected(wi, sample.p.distance(point.p));
+            let f_cos = reflected(wi, distance);
             if f_cos == Rgb::ZERO {
                 return Rgb::ZERO;
             }
             *traced += 1;
-            let shadow: Ray = point.towards(sample.p);
+            let shadow: Ray = point.towards(sample.source);
             let open = if world.occluded(&shadow) {
                 self.shadow_factor
             } else {
@@ -93,21 +94,25 @@ impl WhittedIntegrator {
             open * f_cos * sample.li / sample.divisor()
         };
         let lights = world.lights();
+        let [u, v, pick, _] = camera.sampler.set(2 * depth + 2);
+        let u2 = Vec2::new(u, v);
         let mut sum = Rgb::ZERO;
-        let mut extended = false;
+        let mut surfaces = false;
         for light in lights.lights() {
-            if !matches!(light, Light::Point(_)) {
-                extended = true;
-            } else if let Some(sample) = light.sample(point.p, Vec2::ZERO) {
-                sum += add(sample);
+            match light {
+                Light::Point(_) | Light::Distant(_) => {
+                    sum += light.sample(point.p, u2).map_or(Rgb::ZERO, &mut add);
+                }
+                Light::Sphere(_) | Light::Triangle(_) => surfaces = true,
+                Light::Environment(_) => {}
             }
         }
-        if extended {
-            let [u, v, pick, _] = camera.sampler.set(2 * depth + 2);
-            let sample = lights.sample(point.p, pick, Vec2::new(u, v));
-            if let Some(sample) = sample.filter(|sample| sample.pdf.is_finite()) {
-                sum += add(sample);
-            }
+        if surfaces {
+            let of_surface = |sample: &LightSample| {
+                matches!(sample.source, Source::Point(_)) && sample.pdf.is_finite()
+            };
+            let sample = lights.sample(point.p, pick, u2).filter(of_surface);
+            sum += sample.map_or(Rgb::ZERO, add);
         }
         sum
     }

@@ -1,25 +1,33 @@
-//! Light sources that paths can aim at: points, spheres and triangles.
+//! Light sources that paths can aim at: points, spheres, triangles, and what is infinitely far away: disks and pictures.
 //!
 //! The constant environment is not among them: drawing directions from the BSDF samples it perfectly
 //! on diffuse and specular surfaces alike.
 
+mod distant;
+mod environment;
 mod point;
 mod sampler;
+mod sky;
 mod sphere;
 mod triangle;
 
 pub use sampler::LightSampler;
 
-use glam::{DVec3, Vec2};
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::color::Rgb;
 
+pub use distant::DistantLight;
+pub use environment::EnvironmentMap;
 pub use point::PointLight;
+pub use sky::Sky;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
 
 /// A source of light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Light {
     /// A point.
     Point(PointLight),
@@ -27,21 +35,45 @@ pub enum Light {
     Sphere(SphereLight),
     /// A triangle that emits from both sides.
     Triangle(TriangleLight),
+    /// A disk infinitely far away.
+    Distant(DistantLight),
+    /// A picture infinitely far away, all around.
+    Environment(Arc<EnvironmentMap>),
+}
+
+/// Where a sample's light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// A point, just in front of the light's surface.
+    Point(DVec3),
+    /// A unit direction, from infinitely far away.
+    Direction(DVec3),
+}
+
+impl Source {
+    /// Unit direction and distance from `p`; `None` where the light is right there.
+    pub fn seen_from(self, p: DVec3) -> Option<(Vec3, f64)> {
+        match self {
+            Self::Point(q) => Some(((q - p).as_vec3().try_normalize()?, q.distance(p))),
+            Self::Direction(wi) => Some((wi.as_vec3(), f64::INFINITY)),
+        }
+    }
 }
 
 /// A point on a light as seen from a shading point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
-    /// The point, just in front of the light's surface.
-    pub p: DVec3,
-    /// Incoming radiance; for a point light its intensity over the squared distance.
+    /// Where it is.
+    pub source: Source,
+    /// Incoming radiance; for a point light its intensity over the squared distance, for a distant one without extent
+    /// its irradiance.
     pub li: Rgb,
-    /// Density per solid angle; infinite for a point light, whose weight is 1.
+    /// Density per solid angle; infinite for a light without extent, whose weight is 1.
     pub pdf: f32,
 }
 
 impl LightSample {
-    /// What the sample's weight divides by: the density, or 1 for a point.
+    /// What the sample's weight divides by: the density, or 1 for a light without extent.
     pub fn divisor(&self) -> f32 {
         if self.pdf.is_finite() { self.pdf } else { 1.0 }
     }
@@ -54,24 +86,45 @@ impl Light {
             Self::Point(point) => point.sample(from),
             Self::Sphere(sphere) => sphere.sample(from, u2),
             Self::Triangle(triangle) => triangle.sample(from, u2),
+            Self::Distant(distant) => Some(distant.sample(u2)),
+            Self::Environment(map) => map.sample(u2),
         }
     }
 
-    /// Density per solid angle at `from` with which [`Self::sample`] draws the light's point `p`.
+    /// Density per solid angle at `from` with which [`Self::sample`] draws the light's point `p`; of lights at infinity
+    /// [`Self::beyond`] says it.
     pub fn pdf(&self, from: DVec3, p: DVec3) -> f32 {
         match self {
-            Self::Point(_) => 0.0,
+            Self::Point(_) | Self::Distant(_) | Self::Environment(_) => 0.0,
             Self::Sphere(sphere) => sphere.pdf(from),
             Self::Triangle(triangle) => triangle.pdf(from, p),
         }
     }
 
-    /// Emitted power in W, summed over channels, up to a common factor.
+    /// What a ray sees of a light at infinity that leaves the scene in the unit direction `wi`: its radiance, and the
+    /// density per solid angle with which [`Self::sample`] draws `wi`.
+    fn beyond(&self, wi: DVec3) -> Option<(Rgb, f32)> {
+        match self {
+            Self::Distant(distant) => distant.beyond(wi),
+            Self::Environment(map) => Some(map.beyond(wi)),
+            _ => None,
+        }
+    }
+
+    /// Whether it is infinitely far away.
+    fn is_infinite(&self) -> bool {
+        matches!(self, Self::Distant(_) | Self::Environment(_))
+    }
+
+    /// Emitted power in W, summed over channels; of lights at infinity what light sampling aims at
+    /// of their radiance over all directions.
     fn power(&self) -> f64 {
         match self {
             Self::Point(point) => point.power(),
             Self::Sphere(sphere) => sphere.power(),
             Self::Triangle(triangle) => triangle.power(),
+            Self::Distant(distant) => distant.power(),
+            Self::Environment(map) => map.power(),
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 
-use super::LightSample;
+use super::{LightSample, Source};
 
 /// A light without extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +19,7 @@ impl PointLight {
     pub(super) fn sample(&self, from: DVec3) -> Option<LightSample> {
         let d2 = self.position.distance_squared(from);
         (d2 > 0.0).then(|| LightSample {
-            p: self.position,
+            source: Source::Point(self.position),
             li: self.intensity / d2 as f32,
             pdf: f32::INFINITY,
         })

@@ -1,21 +1,41 @@
 use glam::{DVec3, Vec2};
 
+use crate::color::Rgb;
 use crate::sampling::Discrete;
 
 use super::{Light, LightSample};
 
-/// Chooses among all lights in proportion to their power.
+/// Chooses among all lights in proportion to their power. Where some are at infinity and others are not, either kind gets
+/// half of the samples: how much of an infinite power arrives is a matter of where the scene ends.
 #[derive(Clone, Debug, Default)]
 pub struct LightSampler {
     lights: Vec<Light>,
     choice: Discrete,
+    /// Which lights are at infinity.
+    infinite: Vec<u32>,
 }
 
 impl LightSampler {
     /// Over `lights`; the index of a light here is its index there.
     pub fn new(lights: Vec<Light>) -> Self {
+        let of_kind = |infinite: bool| -> f64 {
+            let kind = lights
+                .iter()
+                .filter(|light| light.is_infinite() == infinite);
+            kind.map(Light::power).sum()
+        };
+        let (near, far) = (of_kind(false), of_kind(true));
+        let balance = if near > 0.0 && far > 0.0 {
+            near / far
+        } else {
+            1.0
+        };
+        let weight =
+            |light: &Light| light.power() * if light.is_infinite() { balance } else { 1.0 };
+        let indices = 0..lights.len() as u32;
         Self {
-            choice: Discrete::new(lights.iter().map(Light::power)),
+            choice: Discrete::new(lights.iter().map(weight)),
+            infinite: (indices.filter(|&i| lights[i as usize].is_infinite())).collect(),
             lights,
         }
     }
@@ -39,6 +59,16 @@ impl LightSampler {
                 li: sample.li / probability,
                 ..sample
             }
+        })
+    }
+
+    /// What a ray that leaves the scene in the unit direction `wi` sees of each light at infinity: the radiance, and the
+    /// density with which [`Self::sample`] draws `wi`.
+    pub fn beyond(&self, wi: DVec3) -> impl Iterator<Item = (Rgb, f32)> {
+        self.infinite.iter().filter_map(move |&index| {
+            let index = index as usize;
+            let (radiance, pdf) = self.lights[index].beyond(wi)?;
+            Some((radiance, self.choice.probability(index) * pdf))
         })
     }
 

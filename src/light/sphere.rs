@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::math::Frame;
 use crate::sampling::{UNIFORM_SPHERE_PDF, uniform_cone, uniform_cone_pdf, uniform_sphere};
 
-use super::LightSample;
+use super::{LightSample, Source};
 
 /// A sphere in world space that emits `radiance` from every point of its surface, inward too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl SphereLight {
         let n = (from + t * direction - self.center).try_normalize()?;
         let clearance = if outside { self.error } else { -self.error };
         Some(LightSample {
-            p: self.center + (self.radius + clearance) * n,
+            source: Source::Point(self.center + (self.radius + clearance) * n),
             li: self.radiance,
             pdf: self.pdf(from),
         })

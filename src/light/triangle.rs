@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2};
 use crate::color::Rgb;
 use crate::sampling::uniform_triangle;
 
-use super::LightSample;
+use super::{LightSample, Source};
 
 /// A triangle in world space that emits `radiance` from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl TriangleLight {
         let cross = self.cross();
         let n = (cross / cross.length()) * (from - p).dot(cross).signum();
         (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
-            p: p + self.error * n,
+            source: Source::Point(p + self.error * n),
             li: self.radiance,
             pdf,
         })

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::color::{Encoding, Rgb};
 use crate::error::Place;
 use crate::geometry::{CsgOp, Solid};
-use crate::light::PointLight;
+use crate::light::{Light, Sky};
 use crate::material::Surface;
 use crate::math::Transform;
 use crate::texture::{Pattern, Ramp, Sampling};
@@ -25,10 +25,10 @@ pub struct SceneDescription {
     pub integrator: IntegratorSettings,
     /// At least one; the first is used unless another is asked for by name.
     pub cameras: Vec<Camera>,
-    /// Radiance that comes from every direction in which a ray meets nothing.
-    pub environment: Rgb,
-    /// Lights without extent.
-    pub lights: Vec<PointLight>,
+    /// What comes from every direction in which a ray meets nothing.
+    pub environment: EnvironmentDescription,
+    /// Lights that are no object's surface.
+    pub lights: Vec<Light>,
     /// The textures that materials and textures further down name; no two of one name.
     pub textures: Vec<(String, TextureDescription)>,
     /// The materials that objects name; no two of one name.
@@ -37,6 +37,31 @@ pub struct SceneDescription {
     pub objects: Vec<ObjectTree>,
     /// Objects that stand nowhere until an instance places them; no two of one name.
     pub definitions: Vec<(String, ObjectTree)>,
+}
+
+/// Light from all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EnvironmentDescription {
+    /// The same radiance everywhere.
+    Constant(Rgb),
+    /// An equirectangular picture; see [`crate::light::EnvironmentMap`].
+    Image {
+        /// The file.
+        file: Reference,
+        /// Turns it about the y axis, radians.
+        rotate: f64,
+        /// Multiplies its pixels.
+        scale: f32,
+    },
+    /// A clear sky.
+    Sky(Sky),
+}
+
+impl Default for EnvironmentDescription {
+    /// Darkness.
+    fn default() -> Self {
+        Self::Constant(Rgb::ZERO)
+    }
 }
 
 /// The file that a description was read from; empty for one that a program made.

@@ -14,7 +14,7 @@ use crate::camera::Camera;
 use crate::color::{Rgb, Tonemap};
 use crate::film::Filter;
 use crate::geometry::{Csg, Mesh, Shape};
-use crate::light::PointLight;
+use crate::light::Light;
 use crate::material::{Material, MaterialId};
 use crate::math::Transform;
 
@@ -27,10 +27,10 @@ pub struct Scene {
     pub integrator: IntegratorSettings,
     /// At least one once loaded; the first is used unless another is asked for by name.
     pub cameras: Vec<Camera>,
-    /// Radiance that comes from every direction in which a ray meets nothing.
+    /// Radiance that comes from every direction in which a ray meets nothing, beside that of lights at infinity.
     pub environment: Rgb,
-    /// Lights without extent.
-    pub lights: Vec<PointLight>,
+    /// Lights that are no object's surface.
+    pub lights: Vec<Light>,
     /// All materials; a [`MaterialId`] indexes them.
     pub materials: Vec<Material>,
     /// All meshes; a [`crate::geometry::MeshId`] indexes them.

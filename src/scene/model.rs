@@ -1,6 +1,6 @@
 use crate::camera::Camera;
 use crate::geometry::{Mesh, MeshId, Shape};
-use crate::light::PointLight;
+use crate::light::Light;
 use crate::material::{Material, MaterialId};
 use crate::math::Transform;
 
@@ -17,8 +17,8 @@ pub struct Model {
     pub parts: Vec<Part>,
     /// Its cameras.
     pub cameras: Vec<Camera>,
-    /// Its point lights.
-    pub lights: Vec<PointLight>,
+    /// Its point and directional lights.
+    pub lights: Vec<Light>,
     /// What the reader wants the user to know: one sentence each, with file and line where known.
     pub warnings: Vec<String>,
 }

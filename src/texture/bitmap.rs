@@ -1,5 +1,7 @@
 //! Pictures laid over surface coordinates.
 
+use std::ops::{Add, Mul};
+
 use glam::Vec2;
 
 use crate::color::Rgb;
@@ -67,21 +69,40 @@ impl Bitmap {
     pub fn sample(&self, uv: Vec2, sampling: Sampling) -> Rgb {
         let x = f64::from(uv.x) * self.width as f64;
         let y = (1.0 - f64::from(uv.y)) * self.height as f64;
-        let at = |x: f64, y: f64| {
-            let column = sampling.wrap[0].index(x, self.width);
-            let row = sampling.wrap[1].index(y, self.height);
-            self.pixels[row * self.width + column]
-        };
         match sampling.filter {
-            PixelFilter::Nearest => at(x.floor(), y.floor()),
+            PixelFilter::Nearest => self.pixels[self.index(x.floor(), y.floor(), sampling.wrap)],
             PixelFilter::Bilinear => {
-                let (x, y) = (x - 0.5, y - 0.5);
-                let (x0, y0) = (x.floor(), y.floor());
-                let (fx, fy) = ((x - x0) as f32, (y - y0) as f32);
-                let top = at(x0, y0).lerp(at(x0 + 1.0, y0), fx);
-                let bottom = at(x0, y0 + 1.0).lerp(at(x0 + 1.0, y0 + 1.0), fx);
-                top.lerp(bottom, fy)
+                let (pixels, between) = self.around(x, y, sampling.wrap);
+                bilinear(pixels.map(|i| self.pixels[i]), between)
             }
         }
     }
+
+    /// The indices of the four pixels whose centres are around a point, `x` to the right and `y` down from the upper left
+    /// corner in pixels: the upper two, then the lower two; and how far it is from the left ones to the right ones, and
+    /// from the upper ones to the lower ones.
+    pub fn around(&self, x: f64, y: f64, wrap: [Wrap; 2]) -> ([usize; 4], [f32; 2]) {
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+        (
+            corners.map(|(right, down)| self.index(x0 + right, y0 + down, wrap)),
+            [(x - x0) as f32, (y - y0) as f32],
+        )
+    }
+
+    /// Where the pixel in column `x` and row `y`, whole numbers, is in the list.
+    fn index(&self, x: f64, y: f64, wrap: [Wrap; 2]) -> usize {
+        wrap[1].index(y, self.height) * self.width + wrap[0].index(x, self.width)
+    }
+}
+
+/// The mean of the values of four pixels, given as [`Bitmap::around`] does.
+pub fn bilinear<T>([a, b, c, d]: [T; 4], [right, down]: [f32; 2]) -> T
+where
+    T: Add<Output = T> + Mul<f32, Output = T>,
+{
+    let upper = a * (1.0 - right) + b * right;
+    let lower = c * (1.0 - right) + d * right;
+    upper * (1.0 - down) + lower * down
 }

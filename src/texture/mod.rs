@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3, Vec2};
 use crate::color::{Rgb, luminance};
 use crate::math::Transform;
 
-pub use bitmap::{Bitmap, PixelFilter, Sampling, Wrap};
+pub use bitmap::{Bitmap, PixelFilter, Sampling, Wrap, bilinear};
 pub use noise::{fbm, harmonics, noise, turbulence};
 pub use pattern::Pattern;
 pub use ramp::Ramp;

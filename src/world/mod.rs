@@ -9,9 +9,10 @@ use glam::DVec3;
 
 use crate::accel::{Accel, CsgTree, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
+use crate::color::Rgb;
 use crate::error::Result;
 use crate::geometry::{CsgId, Tangents};
-use crate::light::{Light, LightSampler};
+use crate::light::LightSampler;
 use crate::material::Material;
 use crate::math::{Bounds, Ray};
 use crate::scene::{Instance, Scene};
@@ -48,7 +49,7 @@ impl World {
             })
             .collect();
         let accel = Accel::build(&scene.meshes, &scene.csgs, placed)?;
-        let mut lights: Vec<Light> = scene.lights.iter().copied().map(Light::Point).collect();
+        let mut lights = scene.lights.clone();
         let emitters = (0..scene.instances.len())
             .map(|i| Emitters::find(&scene, &accel, i, &mut lights))
             .collect();
@@ -136,6 +137,15 @@ impl World {
             ..
         } = *point;
         Bsdf::new(surface, &point.texture, ng, ns, tangent, side, eta)
+    }
+
+    /// What a ray that meets nothing sees in its unit direction `wi`: the environment, and of lights at infinity what
+    /// `weight` makes of the density with which light sampling draws `wi`.
+    pub fn beyond(&self, wi: DVec3, weight: impl Fn(f32) -> f32) -> Rgb {
+        let lights = self.lights.beyond(wi);
+        lights.fold(self.scene.environment, |sum, (radiance, pdf)| {
+            sum + weight(pdf) * radiance
+        })
     }
 
     /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0

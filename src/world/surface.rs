@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::accel::{HOLE, Hit};
 use crate::geometry::{CsgId, MeshId, Operand, Shape, Solid};
+use crate::light::Source;
 use crate::material::MaterialId;
 use crate::math::Ray;
 use crate::texture::TexturePoint;
@@ -197,8 +198,12 @@ impl SurfacePoint {
         Ray::new(self.origin(direction), direction.as_dvec3())
     }
 
-    /// The segment from the surface to `target`, for a shadow query.
-    pub fn towards(&self, target: DVec3) -> Ray {
+    /// From the surface to a light, for a shadow query; to a point it is a segment.
+    pub fn towards(&self, source: Source) -> Ray {
+        let target = match source {
+            Source::Point(target) => target,
+            Source::Direction(wi) => return self.spawn(wi.as_vec3()),
+        };
         let origin = self.origin((target - self.p).as_vec3());
         Ray {
             tmax: 1.0,

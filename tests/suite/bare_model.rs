@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use solidtrace::camera::{Camera, Projection};
 use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::io::bare_scene;
-use solidtrace::light::PointLight;
+use solidtrace::light::{Light, PointLight};
 use solidtrace::math::Transform;
 use solidtrace::scene::{Instance, Model, Part, Scene};
 
@@ -257,10 +257,10 @@ fn own_cameras_and_lights_are_kept() {
         projection: Projection::pinhole(0.5),
         motion: None,
     };
-    let light = PointLight {
+    let light = Light::Point(PointLight {
         position: DVec3::Y,
         intensity: Vec3::ONE,
-    };
+    });
     let mut own = model(shapes().remove(0));
     own.cameras = vec![camera.clone()];
     let scene = bare_scene(own.clone(), false).unwrap();
@@ -273,7 +273,7 @@ fn own_cameras_and_lights_are_kept() {
             .all(|i| i.shape != Shape::Solid(Solid::Plane))
     );
 
-    own.lights = vec![light];
+    own.lights = vec![light.clone()];
     let scene = bare_scene(own, false).unwrap();
     assert_eq!(scene.lights, [light]);
     assert_eq!(scene.instances.len(), 1);

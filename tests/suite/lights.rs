@@ -19,7 +19,7 @@ use crate::support::{
 };
 
 /// A white floor at y = 0, seen at `x` through a pinhole so narrow that a picture is one point.
-fn floor(x: f64) -> Scene {
+pub fn floor(x: f64) -> Scene {
     let mut scene = empty_scene();
     scene.film.size = (2, 2);
     let target = DVec3::new(x, 0.0, 0.0);
@@ -37,7 +37,7 @@ fn floor(x: f64) -> Scene {
 }
 
 /// A white floor shows irradiance over pi.
-fn assert_irradiance(scene: Scene, expected: f64, what: &str) {
+pub fn assert_irradiance(scene: Scene, expected: f64, what: &str) {
     let world = scene.world();
     for sampler in SAMPLERS {
         let pixels = shoot(
@@ -131,7 +131,7 @@ impl Integrator for UniformHemisphere {
             *out = Rgb::ZERO;
             for depth in 0..=self.max_depth {
                 let Some(hit) = world.intersect(&ray) else {
-                    *out += beta * world.scene().environment;
+                    *out += beta * world.beyond(ray.direction, |_| 1.0);
                     break;
                 };
                 let point = world.surface(&ray, &hit);
@@ -234,7 +234,7 @@ fn a_sphere_light_has_a_twentieth_of_the_variance_of_hemisphere_sampling_and_its
 }
 
 /// Glass, a mirror, emitting meshes and spheres, an environment: everything at once.
-fn mixed() -> Scene {
+pub fn mixed() -> Scene {
     let mut scene = empty_scene();
     scene.film.size = (10, 10);
     scene.cameras = vec![camera(DVec3::new(0.0, 1.5, 6.0), DVec3::new(0.0, 0.8, 0.0))];
@@ -282,7 +282,7 @@ fn mixed() -> Scene {
 }
 
 /// The path integrator without its light sampling: rays find the lights by themselves.
-struct BsdfOnly;
+pub struct BsdfOnly;
 
 impl Integrator for BsdfOnly {
     fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
@@ -291,7 +291,7 @@ impl Integrator for BsdfOnly {
             *out = Rgb::ZERO;
             for depth in 0..12 {
                 let Some(hit) = world.intersect(&ray) else {
-                    *out += beta * world.scene().environment;
+                    *out += beta * world.beyond(ray.direction, |_| 1.0);
                     break;
                 };
                 let point = world.surface(&ray, &hit);
@@ -311,7 +311,7 @@ impl Integrator for BsdfOnly {
 }
 
 /// Checks that the path integrator renders the scene as [`BsdfOnly`] does.
-fn assert_agreement(mut scene: Scene) {
+pub fn assert_agreement(mut scene: Scene) {
     scene.integrator = IntegratorSettings::Path {
         max_depth: Some(11),
         russian_roulette: true,

@@ -22,6 +22,7 @@ mod furnace;
 mod girl;
 #[cfg(feature = "embree")]
 mod hits;
+mod infinity;
 mod layering;
 mod layers;
 mod lights;

@@ -6,8 +6,11 @@ use solidtrace::camera::Projection;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
+use solidtrace::light::{Light, PointLight};
 use solidtrace::material::{Fresnel, Surface};
-use solidtrace::scene::description::{ShapeDescription, SurfaceDescription, TextureDescription};
+use solidtrace::scene::description::{
+    EnvironmentDescription, ShapeDescription, SurfaceDescription, TextureDescription,
+};
 use solidtrace::scene::{IntegratorSettings, Repeat, Scene, SceneDescription};
 use solidtrace::texture::{Pattern, Ramp, Texture};
 
@@ -160,9 +163,13 @@ fn settings_are_as_written() {
         russian_roulette: false,
     };
     assert_eq!(d.integrator, path);
-    assert_eq!(d.environment, Vec3::new(0.2, 0.4, 0.9));
-    assert_eq!(d.lights[0].position, DVec3::new(-10.0, 20.0, 40.0));
-    assert_eq!(d.lights[0].intensity, Vec3::splat(1500.0));
+    let blue = EnvironmentDescription::Constant(Vec3::new(0.2, 0.4, 0.9));
+    assert_eq!(d.environment, blue);
+    let light = Light::Point(PointLight {
+        position: DVec3::new(-10.0, 20.0, 40.0),
+        intensity: Vec3::splat(1500.0),
+    });
+    assert_eq!(d.lights, [light]);
     let [first, near] = &d.cameras[..] else {
         panic!("{} cameras", d.cameras.len());
     };
@@ -193,7 +200,7 @@ fn what_is_left_out_has_its_default() {
         russian_roulette: true,
     };
     assert_eq!(d.integrator, path);
-    assert_eq!(d.environment, Vec3::ZERO);
+    assert_eq!(d.environment, EnvironmentDescription::Constant(Vec3::ZERO));
     assert!(d.load().unwrap().instances.is_empty());
 }
 

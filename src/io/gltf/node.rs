@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::light::PointLight;
+use crate::light::{DistantLight, Light, PointLight};
 use crate::math::Transform;
 
 use super::json::Json;
@@ -140,8 +140,8 @@ pub(super) fn camera(
     }))
 }
 
-/// The point light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
-/// a candela is one W/sr here, not 1/683.
+/// The point or directional light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
+/// a candela is one W/sr here, not 1/683, and a lux one W/m².
 ///
 /// # Errors
 /// Where the light's fields are missing or out of range.
@@ -150,7 +150,7 @@ pub(super) fn light(
     node: &Json<'_>,
     world_from_node: &Transform,
     warnings: &mut Vec<String>,
-) -> Result<Option<PointLight>> {
+) -> Result<Option<Light>> {
     let Some(extension) = node.extension("KHR_lights_punctual")? else {
         return Ok(None);
     };
@@ -159,9 +159,9 @@ pub(super) fn light(
         .ok_or_else(|| reference.error("the file has no lights"))?;
     let (_, light) = lights.element("lights", &reference)?;
     let kind = light.need("type")?.text()?;
-    if kind != "point" {
+    if !["point", "directional"].contains(&kind) {
         warnings.push(light.warning(&format!(
-            "lights of type `{kind}` are not read, only `point`"
+            "lights of type `{kind}` are not read, only `point` and `directional`"
         )));
         return Ok(None);
     }
@@ -173,8 +173,17 @@ pub(super) fn light(
             "the intensity {intensity} is negative or not finite"
         )));
     }
-    Ok(Some(PointLight {
-        position: world_from_node.point(DVec3::ZERO),
-        intensity,
+    Ok(Some(if kind == "point" {
+        Light::Point(PointLight {
+            position: world_from_node.point(DVec3::ZERO),
+            intensity,
+        })
+    } else {
+        // It shines along the node's -z axis.
+        Light::Distant(DistantLight {
+            direction: world_from_node.vector(DVec3::Z).normalize(),
+            irradiance: intensity,
+            angle: 0.0,
+        })
     }))
 }

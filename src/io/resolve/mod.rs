@@ -2,6 +2,7 @@
 
 mod checks;
 mod csg;
+mod environment;
 mod files;
 mod objects;
 mod textures;
@@ -89,7 +90,6 @@ impl SceneDescription {
                 film: self.film.clone(),
                 integrator: self.integrator.clone(),
                 cameras: self.cameras.clone(),
-                environment: self.environment,
                 lights: self.lights.clone(),
                 ..Scene::default()
             },
@@ -108,6 +108,7 @@ impl SceneDescription {
             room: MOST,
         };
         loader.check()?;
+        loader.environment()?;
         for (i, material) in self.materials.iter().enumerate() {
             let resolved = loader.resolve_material(material)?;
             loader.scene.materials.push(resolved);

@@ -9,6 +9,7 @@ mod materials;
 mod objects;
 mod operators;
 mod parser;
+mod sky;
 mod strings;
 mod textures;
 mod transforms;

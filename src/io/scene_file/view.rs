@@ -1,11 +1,13 @@
 //! What the picture is taken with: film, integrator, environment and lights.
 
-use crate::color::{Rgb, Tonemap};
+use crate::color::Tonemap;
 use crate::film::Filter;
-use crate::light::PointLight;
+use crate::light::{Light, PointLight};
+use crate::scene::description::EnvironmentDescription;
 use crate::scene::{FilmSettings, IntegratorSettings};
 
 use super::fields::{Choice, Fields};
+use super::sky;
 use super::tree::{Node, Result};
 
 pub(super) fn film(node: &Node) -> Result<FilmSettings> {
@@ -90,23 +92,29 @@ pub(super) fn integrator(node: &Node) -> Result<IntegratorSettings> {
     }
 }
 
-pub(super) fn environment(node: &Node) -> Result<Rgb> {
+pub(super) fn environment(node: &Node) -> Result<EnvironmentDescription> {
     let choice = Choice::of(node, "an environment")?;
-    match choice.name {
-        "Constant" => choice.record(|f| f.required("color", Node::radiance)),
-        _ => Err(choice.unknown("an environment", &["Constant"])),
-    }
+    choice.record(|f| match choice.name {
+        "Constant" => {
+            let color = f.required("color", Node::radiance)?;
+            Ok(EnvironmentDescription::Constant(color))
+        }
+        "Image" => sky::image(f),
+        "Sky" => sky::sky(f),
+        _ => Err(choice.unknown("an environment", &["Constant", "Image", "Sky"])),
+    })
 }
 
-pub(super) fn light(node: &Node) -> Result<PointLight> {
+pub(super) fn light(node: &Node) -> Result<Light> {
     let choice = Choice::of(node, "a light")?;
     match choice.name {
         "Point" => choice.record(|f| {
-            Ok(PointLight {
+            Ok(Light::Point(PointLight {
                 position: f.required("position", Node::point)?,
                 intensity: f.required("intensity", Node::radiance)?,
-            })
+            }))
         }),
-        _ => Err(choice.unknown("a light without extent", &["Point"])),
+        "Sun" => choice.record(|f| Ok(Light::Distant(sky::sun(f)?))),
+        _ => Err(choice.unknown("a light", &["Point", "Sun"])),
     }
 }

@@ -73,11 +73,16 @@ fn test(case: &Case, wo: Vec3, seed: u64) -> (f64, f64) {
     let expected = cells.iter().map(|cell| cell.integral(2e-5, &density));
     let expected: Vec<f64> = expected.collect();
     let integral: f64 = expected.iter().sum();
-    // What is absorbed, and delta lobes, are a cell as well. Cells with few counts are put together.
-    let mut all: Vec<(f64, f64)> = (expected.iter().zip(&counts))
+    // What is absorbed, and delta lobes, are a cell as well.
+    let all = (expected.iter().zip(&counts))
         .map(|(p, n)| (p * f64::from(COUNT), f64::from(*n)))
-        .chain([((1.0 - integral) * f64::from(COUNT), f64::from(others))])
-        .collect();
+        .chain([((1.0 - integral) * f64::from(COUNT), f64::from(others))]);
+    (chance(all.collect()), integral)
+}
+
+/// The chance of counts at least as far off, of pairs of an expected count and one that was found. Cells with few counts
+/// are put together.
+pub fn chance(mut all: Vec<(f64, f64)>) -> f64 {
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut statistic = 0.0;
     let mut pooled = (0.0, 0.0);
@@ -91,12 +96,11 @@ fn test(case: &Case, wo: Vec3, seed: u64) -> (f64, f64) {
             pooled = (0.0, 0.0);
         }
     }
-    let chance = if groups > 1 {
+    if groups > 1 {
         chance_above(statistic, groups - 1)
     } else {
         1.0
-    };
-    (chance, integral)
+    }
 }
 
 #[test]

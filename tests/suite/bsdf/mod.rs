@@ -1,9 +1,9 @@
 //! Scattering at one point: every kind of surface, at five roughnesses and from five angles.
 
 mod bent;
-mod drawing;
+pub mod drawing;
 mod laws;
-mod quadrature;
+pub mod quadrature;
 mod values;
 
 use glam::{DVec3, Vec2, Vec3};

@@ -3,6 +3,7 @@
 mod files;
 mod names;
 mod operators;
+mod sky;
 mod syntax;
 mod values;
 

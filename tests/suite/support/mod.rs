@@ -12,7 +12,7 @@ use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::{Filter, PixelSum};
 use solidtrace::geometry::{Csg, CsgId, Mesh, MeshId, Shape, Solid};
 use solidtrace::integrator::{Integrator, integrator};
-use solidtrace::light::PointLight;
+use solidtrace::light::{Light, PointLight};
 use solidtrace::material::{Fresnel, Material, MaterialId, Surface};
 use solidtrace::math::Transform;
 use solidtrace::render::{RenderSettings, render};
@@ -132,10 +132,10 @@ impl Build for Scene {
     }
 
     fn point_light(&mut self, position: DVec3, intensity: f32) -> &mut Self {
-        self.lights.push(PointLight {
+        self.lights.push(Light::Point(PointLight {
             position,
             intensity: Rgb::splat(intensity),
-        });
+        }));
         self
     }
 

@@ -2,6 +2,7 @@ use glam::DVec3;
 use serde_json::json;
 use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
+use solidtrace::light::Light;
 use solidtrace::scene::Model;
 
 use super::{Files, glb, read, set, triangle};
@@ -48,18 +49,19 @@ fn nodes_compose_from_the_root_down_and_share_their_mesh() {
 }
 
 #[test]
-fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
+fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
     let files = Files::new();
     let (mut document, binary) = triangle();
     let half = 0.5_f64.sqrt();
     let light = |i: u32| json!({"KHR_lights_punctual": {"light": i}});
-    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
+    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4, 5]}]);
     document["nodes"] = json!([
         {"mesh": 0},
         {"camera": 0, "translation": [1, 2, 3], "rotation": [0, half, 0, half], "scale": [3, 3, 3], "name": "node"},
         {"camera": 1},
         {"extensions": light(0), "translation": [0, 4, 0]},
         {"extensions": light(1)},
+        {"extensions": light(2), "rotation": [0, half, 0, half], "scale": [3, 3, 3]},
     ]);
     document["cameras"] = json!([
         {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}},
@@ -67,7 +69,8 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
     ]);
     document["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
-        {"type": "directional"},
+        {"type": "spot"},
+        {"type": "directional", "color": [0.5, 1, 2], "intensity": 3},
     ]}});
     let model = read(&files, &(document.clone(), binary.clone()));
     assert_eq!(model.cameras.len(), 2);
@@ -80,9 +83,15 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
     assert!((camera.look_at - camera.eye).abs_diff_eq(DVec3::NEG_X, 1e-12));
     assert!(camera.up.abs_diff_eq(DVec3::Y, 1e-12));
     assert_eq!(camera.projection, Projection::pinhole(0.75));
-    assert_eq!(model.lights.len(), 1);
-    assert_eq!(model.lights[0].position, 4.0 * DVec3::Y);
-    assert_eq!(model.lights[0].intensity, Rgb::new(8.0, 4.0, 2.0));
+    let [Light::Point(point), Light::Distant(distant)] = &model.lights[..] else {
+        panic!("{:?}", model.lights);
+    };
+    assert_eq!(point.position, 4.0 * DVec3::Y);
+    assert_eq!(point.intensity, Rgb::new(8.0, 4.0, 2.0));
+    // It shines along -z, which is turned to -x, so it stands at +x.
+    assert!(distant.direction.abs_diff_eq(DVec3::X, 1e-12));
+    assert_eq!(distant.irradiance, Rgb::new(1.5, 3.0, 6.0));
+    assert_eq!(distant.angle, 0.0);
     assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
     for (pointer, value, place) in [
         (
@@ -113,7 +122,7 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
         ),
         (
             "/nodes/3/extensions/KHR_lights_punctual/light",
-            json!(2),
+            json!(3),
             "/nodes/3/extensions/KHR_lights_punctual/light",
         ),
     ] {
