@@ -257,8 +257,9 @@ fn strategies_have_the_shares_that_the_power_heuristic_gives_them() {
             let colors = layer(&image, name);
             let mean = colors.iter().map(|c| f64::from(c.x)).sum::<f64>() / colors.len() as f64;
             let error = (mean - expected).abs();
+            // Of the smallest lamp 1,500 rays tell; independent ones would have a standard error of 2.6 %.
             assert!(
-                error <= 0.003 * expected,
+                error <= 0.01 * expected,
                 "{radius} {name}: {mean}, not {expected}"
             );
         }
