@@ -104,7 +104,7 @@ impl WhittedIntegrator {
         }
         if extended {
             let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
-            let sample = lights.sample(point.p, pick, Vec2::new(u, v));
+            let sample = world.sample_light(point.p, pick, Vec2::new(u, v));
             if let Some(sample) = sample.filter(|sample| sample.pdf.is_finite()) {
                 sum += add(sample);
             }

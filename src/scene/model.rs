@@ -17,7 +17,7 @@ pub struct Model {
     pub parts: Vec<Part>,
     /// Its cameras.
     pub cameras: Vec<Camera>,
-    /// Its point lights.
+    /// Its point and spot lights.
     pub lights: Vec<PointLight>,
     /// What the reader wants the user to know: one sentence each, with file and line where known.
     pub warnings: Vec<String>,

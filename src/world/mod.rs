@@ -5,13 +5,11 @@ mod media;
 mod relief;
 mod surface;
 
-use glam::DVec3;
-
 use crate::accel::{Accel, CsgTree, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
-use crate::error::Result;
-use crate::geometry::{CsgId, Tangents};
-use crate::light::{Light, LightSampler};
+use crate::error::{Error, Result};
+use crate::geometry::{CsgId, Operand, Solid, Tangents};
+use crate::light::LightSampler;
 use crate::material::Material;
 use crate::math::{Bounds, Ray};
 use crate::scene::{Instance, Scene};
@@ -27,8 +25,7 @@ pub struct World {
     scene: Scene,
     accel: Accel,
     lights: LightSampler,
-    /// For each instance where its lights start in the sampler's list.
-    emitters: Vec<Emitters>,
+    emitters: Emitters,
     /// The instances that light goes through.
     clear: Vec<Medium>,
     /// Of the meshes on which a normal map or a brushed surface needs them.
@@ -39,8 +36,19 @@ impl World {
     /// Builds trees and lights.
     ///
     /// # Errors
-    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an open mesh.
+    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an operand without an
+    /// inside: an open mesh, a rectangle or a disk.
     pub fn build(scene: Scene) -> Result<Self> {
+        let flat = |operand: &Operand| {
+            matches!(
+                operand,
+                Operand::Solid(Solid::Rectangle { .. } | Solid::Disk { .. })
+            )
+        };
+        if (scene.csgs.iter()).any(|csg| csg.operands.iter().any(flat)) {
+            let message = "an operand of CSG is a rectangle or disk, which has no inside";
+            return Err(Error::input(message).help("take a thin box or cylinder, or a plane"));
+        }
         let placed = (scene.instances.iter())
             .map(|instance| Placed {
                 shape: instance.shape,
@@ -48,19 +56,17 @@ impl World {
             })
             .collect();
         let accel = Accel::build(&scene.meshes, &scene.csgs, placed)?;
-        let mut lights: Vec<Light> = scene.lights.iter().copied().map(Light::Point).collect();
-        let emitters = (0..scene.instances.len())
-            .map(|i| Emitters::find(&scene, &accel, i, &mut lights))
-            .collect();
         let clear = (0..scene.instances.len()).filter_map(|i| Medium::of(&scene, i));
-        Ok(Self {
+        let mut world = Self {
             clear: clear.collect(),
             tangents: relief::tangents(&scene),
-            lights: LightSampler::new(lights),
+            lights: LightSampler::default(),
             scene,
             accel,
-            emitters,
-        })
+            emitters: Emitters::default(),
+        };
+        world.find_lights();
+        Ok(world)
     }
 
     /// The scene it was built from.
@@ -136,12 +142,5 @@ impl World {
             ..
         } = *point;
         Bsdf::new(surface, &point.texture, ng, ns, tangent, side, eta)
-    }
-
-    /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0
-    /// where the surface is not among the lights.
-    pub fn light_pdf(&self, from: DVec3, hit: &Hit, p: DVec3) -> f32 {
-        let light = self.emitters[hit.instance as usize].light(hit);
-        light.map_or(0.0, |light| self.lights.pdf(light, from, p))
     }
 }

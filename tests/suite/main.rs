@@ -20,6 +20,7 @@ mod furnace;
 mod girl;
 #[cfg(feature = "embree")]
 mod hits;
+mod lamps;
 mod layering;
 mod lights;
 mod loaders;

@@ -1,11 +1,13 @@
 //! The scene's nodes: what stands where.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::light::PointLight;
+use crate::light::{Cone, PointLight};
 use crate::math::Transform;
 
 use super::json::Json;
@@ -140,7 +142,7 @@ pub(super) fn camera(
     }))
 }
 
-/// The point light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
+/// The point or spot light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
 /// a candela is one W/sr here, not 1/683.
 ///
 /// # Errors
@@ -159,12 +161,16 @@ pub(super) fn light(
         .ok_or_else(|| reference.error("the file has no lights"))?;
     let (_, light) = lights.element("lights", &reference)?;
     let kind = light.need("type")?.text()?;
-    if kind != "point" {
-        warnings.push(light.warning(&format!(
-            "lights of type `{kind}` are not read, only `point`"
-        )));
-        return Ok(None);
-    }
+    let cone = match kind {
+        "point" => None,
+        "spot" => Some(cone(&light, world_from_node)?),
+        _ => {
+            warnings.push(light.warning(&format!(
+                "lights of type `{kind}` are not read, only `point` and `spot`"
+            )));
+            return Ok(None);
+        }
+    };
     let strength = light.number_or("intensity", 1.0)?;
     let color = light.numbers_or("color", [1.0; 3])?;
     let intensity = Rgb::from_array(color.map(|c| (c * strength) as f32));
@@ -176,5 +182,22 @@ pub(super) fn light(
     Ok(Some(PointLight {
         position: world_from_node.point(DVec3::ZERO),
         intensity,
+        cone,
     }))
+}
+
+/// The cone of a spot light, which shines along the node's -z axis.
+fn cone(light: &Json<'_>, world_from_node: &Transform) -> Result<Cone> {
+    let spot = light.need("spot")?;
+    let inner = spot.number_or("innerConeAngle", 0.0)?;
+    let outer = spot.number_or("outerConeAngle", FRAC_PI_4)?;
+    // A right angle may be written a little larger.
+    if !(inner >= 0.0 && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
+        return Err(
+            (spot.error(format!("a cone between the angles {inner} and {outer}")))
+                .help("they must be at least 0, at most pi / 2, and the inner one the lesser"),
+        );
+    }
+    let axis = world_from_node.vector(DVec3::NEG_Z).normalize();
+    Ok(Cone::new(axis, inner, outer))
 }

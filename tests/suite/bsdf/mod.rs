@@ -1,7 +1,7 @@
 //! Scattering at one point: every kind of surface, at five roughnesses and from five angles.
 
 mod bent;
-mod drawing;
+pub mod drawing;
 mod laws;
 mod quadrature;
 mod values;

@@ -135,6 +135,7 @@ impl Build for Scene {
         self.lights.push(PointLight {
             position,
             intensity: Rgb::splat(intensity),
+            cone: None,
         });
         self
     }

@@ -48,18 +48,20 @@ fn nodes_compose_from_the_root_down_and_share_their_mesh() {
 }
 
 #[test]
-fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
+fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
     let files = Files::new();
     let (mut document, binary) = triangle();
     let half = 0.5_f64.sqrt();
     let light = |i: u32| json!({"KHR_lights_punctual": {"light": i}});
-    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
+    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4, 5, 6]}]);
     document["nodes"] = json!([
         {"mesh": 0},
         {"camera": 0, "translation": [1, 2, 3], "rotation": [0, half, 0, half], "scale": [3, 3, 3], "name": "node"},
         {"camera": 1},
         {"extensions": light(0), "translation": [0, 4, 0]},
         {"extensions": light(1)},
+        {"extensions": light(2), "rotation": [half, 0, 0, half], "scale": [2, 2, 2]},
+        {"extensions": light(3)},
     ]);
     document["cameras"] = json!([
         {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}},
@@ -68,6 +70,8 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
     document["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
         {"type": "directional"},
+        {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
+        {"type": "spot", "spot": {}},
     ]}});
     let model = read(&files, &(document.clone(), binary.clone()));
     assert_eq!(model.cameras.len(), 2);
@@ -80,9 +84,18 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
     assert!((camera.look_at - camera.eye).abs_diff_eq(DVec3::NEG_X, 1e-12));
     assert!(camera.up.abs_diff_eq(DVec3::Y, 1e-12));
     assert_eq!(camera.projection, Projection::pinhole(0.75));
-    assert_eq!(model.lights.len(), 1);
+    assert_eq!(model.lights.len(), 3);
     assert_eq!(model.lights[0].position, 4.0 * DVec3::Y);
     assert_eq!(model.lights[0].intensity, Rgb::new(8.0, 4.0, 2.0));
+    assert_eq!(model.lights[0].cone, None);
+    let cone = model.lights[1].cone.unwrap();
+    // A quarter turn about x takes -z to y.
+    assert!(cone.axis.abs_diff_eq(DVec3::Y, 1e-12), "{cone:?}");
+    let cosines = |inner: f64, outer: f64| [inner.cos(), outer.cos()];
+    assert_eq!([cone.cos_inner, cone.cos_outer], cosines(0.25, 0.5));
+    let cone = model.lights[2].cone.unwrap();
+    let default = cosines(0.0, std::f64::consts::FRAC_PI_4);
+    assert_eq!([cone.cos_inner, cone.cos_outer], default);
     assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
     for (pointer, value, place) in [
         (
@@ -112,8 +125,18 @@ fn cameras_look_along_minus_z_and_point_lights_keep_their_numbers() {
             "/extensions/KHR_lights_punctual/lights/0",
         ),
         (
+            "/extensions/KHR_lights_punctual/lights/2/spot/outerConeAngle",
+            json!(1.6),
+            "/extensions/KHR_lights_punctual/lights/2/spot",
+        ),
+        (
+            "/extensions/KHR_lights_punctual/lights/2/spot/innerConeAngle",
+            json!(0.5),
+            "/extensions/KHR_lights_punctual/lights/2/spot",
+        ),
+        (
             "/nodes/3/extensions/KHR_lights_punctual/light",
-            json!(2),
+            json!(4),
             "/nodes/3/extensions/KHR_lights_punctual/light",
         ),
     ] {
