@@ -24,7 +24,7 @@ pub struct Material {
     pub surface: Surface,
     /// Radiance that it emits from both sides, W/(m² sr) per channel.
     pub emission: Rgb,
-    /// Multiplies the emission. What it is on is no light to aim at: paths come upon it.
+    /// Multiplies the emission.
     pub emission_texture: Option<Texture>,
     /// What bends its shading normal.
     pub relief: Option<Relief>,

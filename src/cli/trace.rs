@@ -6,7 +6,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::Shape;
 use crate::io::{
     HitRecord, RayReader, check_writable, write_atomically, write_blocked, write_hit_header,
     write_hits,
@@ -88,7 +88,7 @@ fn answer(world: &World, ray: &Ray) -> Option<HitRecord> {
     let instance = world.instance(&hit);
     let outward = point.ng.as_dvec3();
     let is_mesh = matches!(instance.shape, Shape::Mesh(_));
-    let is_surface = is_mesh || instance.shape == Shape::Solid(Solid::Plane);
+    let is_surface = is_mesh || matches!(instance.shape, Shape::Solid(solid) if solid.is_surface());
     let n = if is_surface && outward.dot(ray.direction) > 0.0 {
         -outward
     } else {

@@ -1,4 +1,4 @@
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::error::{Error, Result};
 use crate::math::Bounds;
@@ -87,6 +87,15 @@ impl Mesh {
             d_second.x * second + d_third.x * third,
             d_second.y * second + d_third.y * third,
         ]
+    }
+
+    /// The weights of the second and third corner of triangle `i`, which has an area, at a point of its plane.
+    pub fn weights(&self, i: u32, p: DVec3) -> Vec2 {
+        let [a, b, c] = self.corners(i).map(Vec3::as_dvec3);
+        let (ab, ac, ap) = (b - a, c - a, p - a);
+        let cross = ab.cross(ac);
+        let weights = DVec2::new(ap.cross(ac).dot(cross), ab.cross(ap).dot(cross));
+        (weights / cross.length_squared()).as_vec2()
     }
 
     /// The material slot of triangle `i`.

@@ -268,7 +268,7 @@ fn direct(
     pick: f32,
     u2: Vec2,
 ) -> Option<(Ray, Rgb)> {
-    let sample = world.lights().sample(point.p, pick, u2)?;
+    let sample = world.sample_light(point.p, pick, u2)?;
     let (wi, distance) = sample.source.seen_from(point.p)?;
     let (f_cos, pdf) = bsdf.eval(wo, wi);
     if f_cos == Rgb::ZERO {

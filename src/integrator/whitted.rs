@@ -93,25 +93,24 @@ impl WhittedIntegrator {
             };
             open * f_cos * sample.li / sample.divisor()
         };
-        let lights = world.lights();
         let [u, v, pick, _] = camera.sampler.set(2 * depth + 2);
         let u2 = Vec2::new(u, v);
         let mut sum = Rgb::ZERO;
         let mut surfaces = false;
-        for light in lights.lights() {
+        for light in world.lights().lights() {
             match light {
                 Light::Point(_) | Light::Distant(_) => {
                     sum += light.sample(point.p, u2).map_or(Rgb::ZERO, &mut add);
                 }
-                Light::Sphere(_) | Light::Triangle(_) => surfaces = true,
                 Light::Environment(_) => {}
+                _ => surfaces = true,
             }
         }
         if surfaces {
             let of_surface = |sample: &LightSample| {
                 matches!(sample.source, Source::Point(_)) && sample.pdf.is_finite()
             };
-            let sample = lights.sample(point.p, pick, u2).filter(of_surface);
+            let sample = world.sample_light(point.p, pick, u2).filter(of_surface);
             sum += sample.map_or(Rgb::ZERO, add);
         }
         sum

@@ -31,6 +31,7 @@ impl DistantLight {
                 source: Source::Direction(self.direction),
                 li: self.irradiance,
                 pdf: f32::INFINITY,
+                face: 0,
             };
         }
         let frame = Frame::around(self.direction.as_vec3().normalize());
@@ -39,6 +40,7 @@ impl DistantLight {
             source: Source::Direction(wi.as_dvec3().normalize()),
             li: self.radiance(),
             pdf: uniform_cone_pdf(one_minus_cos),
+            face: 0,
         }
     }
 

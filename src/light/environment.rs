@@ -83,6 +83,7 @@ impl EnvironmentMap {
             source: Source::Direction(wi),
             li,
             pdf,
+            face: 0,
         })
     }
 

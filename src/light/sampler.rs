@@ -5,8 +5,9 @@ use crate::sampling::Discrete;
 
 use super::{Light, LightSample};
 
-/// Chooses among all lights in proportion to their power. Where some are at infinity and others are not, either kind gets
-/// half of the samples: how much of an infinite power arrives is a matter of where the scene ends.
+/// Chooses among all lights in proportion to their power, in a time that grows with the logarithm of their number. Where
+/// some are at infinity and others are not, either kind gets half of the samples: how much of an infinite power arrives
+/// is a matter of where the scene ends.
 #[derive(Clone, Debug, Default)]
 pub struct LightSampler {
     lights: Vec<Light>,
@@ -45,11 +46,11 @@ impl LightSampler {
         &self.lights
     }
 
-    /// A point of one light as seen from `from`, its density and weight with the choice included.
-    pub fn sample(&self, from: DVec3, u: f32, u2: Vec2) -> Option<LightSample> {
+    /// The index of one light and a point of it as seen from `from`, its density and weight with the choice included.
+    pub fn sample(&self, from: DVec3, u: f32, u2: Vec2) -> Option<(u32, LightSample)> {
         let (index, probability) = self.choice.sample(u)?;
         let sample = self.lights[index].sample(from, u2)?;
-        Some(if sample.pdf.is_finite() {
+        let sample = if sample.pdf.is_finite() {
             LightSample {
                 pdf: sample.pdf * probability,
                 ..sample
@@ -59,7 +60,8 @@ impl LightSampler {
                 li: sample.li / probability,
                 ..sample
             }
-        })
+        };
+        Some((index as u32, sample))
     }
 
     /// What a ray that leaves the scene in the unit direction `wi` sees of each light at infinity: the radiance, and the
@@ -72,9 +74,9 @@ impl LightSampler {
         })
     }
 
-    /// Density with which [`Self::sample`] draws the point `p` of light `index`.
-    pub fn pdf(&self, index: u32, from: DVec3, p: DVec3) -> f32 {
+    /// Density with which [`Self::sample`] draws the point `p` of light `index`, on `face` of a solid.
+    pub fn pdf(&self, index: u32, from: DVec3, p: DVec3, face: u32) -> f32 {
         let index = index as usize;
-        self.choice.probability(index) * self.lights[index].pdf(from, p)
+        self.choice.probability(index) * self.lights[index].pdf(from, p, face)
     }
 }

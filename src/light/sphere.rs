@@ -4,9 +4,9 @@ use glam::{DVec3, Vec2};
 
 use crate::color::Rgb;
 use crate::math::Frame;
-use crate::sampling::{UNIFORM_SPHERE_PDF, uniform_cone, uniform_cone_pdf, uniform_sphere};
+use crate::sampling::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 
-use super::{LightSample, Source};
+use super::LightSample;
 
 /// A sphere in world space that emits `radiance` from every point of its surface, inward too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,15 +25,10 @@ impl SphereLight {
     /// From outside, uniform over the cone in which the sphere is seen; from inside, over all directions.
     pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
         let axis = self.center - from;
-        let direction = match self.one_minus_cos(from) {
-            Some(one_minus_cos) => {
-                let frame = Frame::around(axis.normalize().as_vec3());
-                frame.to_world(uniform_cone(u2, one_minus_cos))
-            }
-            None => uniform_sphere(u2),
-        }
-        .as_dvec3()
-        .normalize();
+        let one_minus_cos = self.one_minus_cos(from)?;
+        let frame = Frame::around(axis.try_normalize().unwrap_or(DVec3::Z).as_vec3());
+        let direction = frame.to_world(uniform_cone(u2, one_minus_cos)).as_dvec3();
+        let direction = direction.normalize();
         // The foot of the perpendicular from the centre, then half the chord back towards `from`,
         // or on to the far side from inside.
         let along = axis.dot(direction);
@@ -43,23 +38,31 @@ impl SphereLight {
         let t = if outside { along - half } else { along + half };
         let n = (from + t * direction - self.center).try_normalize()?;
         let clearance = if outside { self.error } else { -self.error };
-        Some(LightSample {
-            source: Source::Point(self.center + (self.radius + clearance) * n),
-            li: self.radiance,
-            pdf: self.pdf(from),
-        })
+        let p = self.center + (self.radius + clearance) * n;
+        LightSample::of_surface(p, self.radiance, self.pdf(from), 0)
     }
 
-    pub(super) fn pdf(&self, from: DVec3) -> f32 {
-        self.one_minus_cos(from)
-            .map_or(UNIFORM_SPHERE_PDF, uniform_cone_pdf)
+    pub(super) fn pdf(&self, from: DVec3) -> f64 {
+        let pdf = self.one_minus_cos(from).map(uniform_cone_pdf);
+        f64::from(pdf.unwrap_or(0.0))
     }
 
-    /// Of the half angle in which the sphere is seen; `None` from inside.
+    /// A point, uniform in area.
+    pub(super) fn point(&self, u2: Vec2) -> DVec3 {
+        self.center + self.radius * uniform_sphere(u2).as_dvec3().normalize()
+    }
+
+    /// Of the half angle in which the sphere is seen, which from inside is pi; `None` from the surface itself, whose
+    /// outside sees nothing of it.
     fn one_minus_cos(&self, from: DVec3) -> Option<f32> {
-        let sin2 = self.radius * self.radius / self.center.distance_squared(from);
+        let distance = self.center.distance(from);
+        if (distance - self.radius).abs() <= self.error {
+            return None;
+        }
+        let sin2 = (self.radius / distance).powi(2);
         // 1 - sqrt(1 - s) without cancellation.
-        (sin2 < 1.0).then(|| (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+        let outside = || (sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32;
+        Some(if sin2 < 1.0 { outside() } else { 2.0 })
     }
 
     pub(super) fn power(&self) -> f64 {

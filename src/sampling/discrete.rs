@@ -45,6 +45,22 @@ impl Discrete {
     }
 }
 
+/// Picks an index with probability in proportion to its weight, at least 0, by `u` in [0, 1), and makes of `u` a number
+/// that is as uniform within the choice. `None` where all weights are 0.
+pub fn choose<const N: usize>(u: f64, weights: [f64; N]) -> Option<(usize, f64)> {
+    let mut left = u * weights.iter().sum::<f64>();
+    let mut chosen = None;
+    for (i, weight) in weights.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
+        // Rounding may leave a little beyond the last one.
+        chosen = Some((i, (left / weight).min(1.0)));
+        if left < weight {
+            break;
+        }
+        left -= weight;
+    }
+    chosen
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,5 +76,19 @@ mod tests {
         assert_eq!(d.probability(2), 0.375);
         assert_eq!(Discrete::new([]).sample(0.5), None);
         assert_eq!(Discrete::new([0.0, 0.0]).sample(0.75), Some((1, 0.5)));
+    }
+
+    #[test]
+    fn a_choice_leaves_a_number_that_is_uniform_within_it() {
+        let weights = [0.0, 1.0, 0.0, 3.0, 0.0];
+        for (u, index, rest) in [
+            (0.0, 1, 0.0),
+            (0.125, 1, 0.5),
+            (0.25, 3, 0.0),
+            (0.625, 3, 0.5),
+        ] {
+            assert_eq!(choose(u, weights), Some((index, rest)));
+        }
+        assert_eq!(choose(0.5, [0.0; 2]), None);
     }
 }

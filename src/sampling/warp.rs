@@ -38,9 +38,6 @@ pub fn uniform_sphere(u2: Vec2) -> Vec3 {
     Vec3::new(r * phi.cos(), r * phi.sin(), z)
 }
 
-/// Density of [`uniform_sphere`] per solid angle.
-pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
-
 /// A direction within a cone around +z, uniform in solid angle. The cone is given by
 /// `one_minus_cos` of its half angle, so that narrow cones keep their precision.
 pub fn uniform_cone(u2: Vec2, one_minus_cos: f32) -> Vec3 {

@@ -17,7 +17,7 @@ pub struct Model {
     pub parts: Vec<Part>,
     /// Its cameras.
     pub cameras: Vec<Camera>,
-    /// Its point and directional lights.
+    /// Its point, spot and directional lights.
     pub lights: Vec<Light>,
     /// What the reader wants the user to know: one sentence each, with file and line where known.
     pub warnings: Vec<String>,

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::color::Rgb;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::Shape;
 use crate::material::{Interior, Material, MaterialId};
 use crate::scene::Scene;
 
@@ -24,10 +24,10 @@ pub(super) struct Medium {
 }
 
 impl Medium {
-    /// The medium inside instance `index`; a plane is a surface and has no inside.
+    /// The medium inside instance `index`; what is a surface has no inside.
     pub(super) fn of(scene: &Scene, index: usize) -> Option<Self> {
         let instance = &scene.instances[index];
-        if instance.shape == Shape::Solid(Solid::Plane) {
+        if matches!(instance.shape, Shape::Solid(solid) if solid.is_surface()) {
             return None;
         }
         let surface = |id: &MaterialId| &scene.materials[id.0 as usize].surface;

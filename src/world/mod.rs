@@ -10,8 +10,8 @@ use glam::DVec3;
 use crate::accel::{Accel, CsgTree, Hit, MeshReport, Placed};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
-use crate::error::Result;
-use crate::geometry::{CsgId, Tangents};
+use crate::error::{Error, Result};
+use crate::geometry::{CsgId, Operand, Solid, Tangents};
 use crate::light::LightSampler;
 use crate::material::Material;
 use crate::math::{Bounds, Ray};
@@ -28,8 +28,7 @@ pub struct World {
     scene: Scene,
     accel: Accel,
     lights: LightSampler,
-    /// For each instance where its lights start in the sampler's list.
-    emitters: Vec<Emitters>,
+    emitters: Emitters,
     /// The instances that light goes through.
     clear: Vec<Medium>,
     /// Of the meshes on which a normal map or a brushed surface needs them.
@@ -40,8 +39,19 @@ impl World {
     /// Builds trees and lights.
     ///
     /// # Errors
-    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an open mesh.
+    /// Where a mesh is invalid or has no triangle with an area, or a CSG tree is not whole or has an operand without an
+    /// inside: an open mesh, a rectangle or a disk.
     pub fn build(scene: Scene) -> Result<Self> {
+        let flat = |operand: &Operand| {
+            matches!(
+                operand,
+                Operand::Solid(Solid::Rectangle { .. } | Solid::Disk { .. })
+            )
+        };
+        if (scene.csgs.iter()).any(|csg| csg.operands.iter().any(flat)) {
+            let message = "an operand of CSG is a rectangle or disk, which has no inside";
+            return Err(Error::input(message).help("take a thin box or cylinder, or a plane"));
+        }
         let placed = (scene.instances.iter())
             .map(|instance| Placed {
                 shape: instance.shape,
@@ -49,19 +59,17 @@ impl World {
             })
             .collect();
         let accel = Accel::build(&scene.meshes, &scene.csgs, placed)?;
-        let mut lights = scene.lights.clone();
-        let emitters = (0..scene.instances.len())
-            .map(|i| Emitters::find(&scene, &accel, i, &mut lights))
-            .collect();
         let clear = (0..scene.instances.len()).filter_map(|i| Medium::of(&scene, i));
-        Ok(Self {
+        let mut world = Self {
             clear: clear.collect(),
             tangents: relief::tangents(&scene),
-            lights: LightSampler::new(lights),
+            lights: LightSampler::default(),
             scene,
             accel,
-            emitters,
-        })
+            emitters: Emitters::default(),
+        };
+        world.find_lights();
+        Ok(world)
     }
 
     /// The scene it was built from.
@@ -146,12 +154,5 @@ impl World {
         lights.fold(self.scene.environment, |sum, (radiance, pdf)| {
             sum + weight(pdf) * radiance
         })
-    }
-
-    /// Density per solid angle with which light sampling at `from` draws the point that was hit; 0
-    /// where the surface is not among the lights.
-    pub fn light_pdf(&self, from: DVec3, hit: &Hit, p: DVec3) -> f32 {
-        let light = self.emitters[hit.instance as usize].light(hit);
-        light.map_or(0.0, |light| self.lights.pdf(light, from, p))
     }
 }

@@ -7,6 +7,7 @@ use crate::geometry::{CsgId, MeshId, Operand, Shape, Solid};
 use crate::light::Source;
 use crate::material::MaterialId;
 use crate::math::Ray;
+use crate::scene::Instance;
 use crate::texture::TexturePoint;
 
 use super::World;
@@ -42,7 +43,7 @@ impl World {
         let transform = &instance.world_from_object;
         let local = transform.inverse_ray(ray);
         let at = match instance.shape {
-            Shape::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Shape::Solid(solid) => on_solid(solid, local.at(hit.t), hit.face),
             Shape::Mesh(id) => self.on_mesh(id, hit.primitive, hit.uv, instance.smooth),
             Shape::Csg(id) => self.on_csg(id, &local, hit, instance.smooth),
         };
@@ -78,6 +79,27 @@ impl World {
         }
     }
 
+    /// What textures see at the world's point `p` on the surface of a mesh's `triangle`, or the plane that it is in, or
+    /// on a `face` of a solid.
+    pub(super) fn texture_point(
+        &self,
+        instance: &Instance,
+        triangle: u32,
+        face: u32,
+        p: DVec3,
+    ) -> TexturePoint {
+        let p = instance.world_from_object.inverse_point(p);
+        let at = match instance.shape {
+            Shape::Solid(solid) => on_solid(solid, p, face),
+            Shape::Mesh(id) => {
+                let mesh = &self.scene.meshes[id.0 as usize];
+                self.on_mesh(id, triangle, mesh.weights(triangle, p), false)
+            }
+            Shape::Csg(_) => unreachable!("no light is of CSG"),
+        };
+        at.texture_point()
+    }
+
     fn on_mesh(&self, id: MeshId, triangle: u32, weights: Vec2, smooth: bool) -> LocalPoint {
         let mesh = &self.scene.meshes[id.0 as usize];
         let corner = mesh.triangles[triangle as usize];
@@ -106,7 +128,7 @@ impl World {
         let (operand, transform) = csg.operand(hit.primitive);
         let local = transform.inverse_ray(ray);
         let at = match operand {
-            Operand::Solid(solid) => on_solid(solid, &local, hit.t, hit.face),
+            Operand::Solid(solid) => on_solid(solid, local.at(hit.t), hit.face),
             Operand::OpenMesh(_) if hit.face == HOLE => {
                 let p = local.at(hit.t);
                 LocalPoint {
@@ -175,8 +197,9 @@ fn above_horizon(n: Vec3, ng: Vec3) -> Vec3 {
     }
 }
 
-fn on_solid(solid: Solid, ray: &Ray, t: f64, face: u32) -> LocalPoint {
-    let p = solid.project(ray.at(t), face);
+/// The surface near `p`.
+fn on_solid(solid: Solid, p: DVec3, face: u32) -> LocalPoint {
+    let p = solid.project(p, face);
     LocalPoint {
         p,
         n: solid.normal(p, face),

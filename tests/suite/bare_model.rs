@@ -260,6 +260,7 @@ fn own_cameras_and_lights_are_kept() {
     let light = Light::Point(PointLight {
         position: DVec3::Y,
         intensity: Vec3::ONE,
+        cone: None,
     });
     let mut own = model(shapes().remove(0));
     own.cameras = vec![camera.clone()];

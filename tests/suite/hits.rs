@@ -241,7 +241,9 @@ fn solids_are_hit_where_embree_hits_their_fine_tessellation() {
                 false,
             ),
             Solid::Torus { major, minor } => lathe(&ring(major, minor), N, true),
-            Solid::Plane => unreachable!("a plane has no end"),
+            Solid::Plane | Solid::Rectangle { .. } | Solid::Disk { .. } => {
+                unreachable!("closed solids only")
+            }
         };
         let embree = EmbreeScene::new(&[(&mesh, &Transform::IDENTITY)], ROBUST).unwrap();
         // The chords of the tessellation stay this near to the surface; f32 adds a little.

@@ -13,6 +13,7 @@ use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 use solidtrace::world::{Media, World};
 
+use crate::lamps::showroom;
 use crate::support::meshes::{box_mesh, moved, sphere_mesh};
 use crate::support::{
     Build, SAMPLERS, Shot, camera, diffuse, empty_scene, shoot, shoot_with, statistics,
@@ -295,7 +296,7 @@ impl Integrator for BsdfOnly {
                     break;
                 };
                 let point = world.surface(&ray, &hit);
-                *out += beta * world.material(&point).emission;
+                *out += beta * world.material(&point).emitted(&point.texture);
                 let [pick, u, v, _] = camera.sampler.set(depth + 1);
                 let bsdf = world.bsdf(&point, &Media::default());
                 let wo = -ray.direction.as_vec3();
@@ -310,8 +311,53 @@ impl Integrator for BsdfOnly {
     }
 }
 
+/// The path integrator with its light sampling alone: but for what the camera sees, lamps that are come upon do not count.
+struct LightOnly;
+
+impl Integrator for LightOnly {
+    fn radiance(&self, world: &World, batch: &[CameraRay], radiance: &mut [Rgb]) -> u64 {
+        for (camera, out) in batch.iter().zip(radiance) {
+            let (mut ray, mut beta) = (camera.ray, Rgb::ONE);
+            *out = Rgb::ZERO;
+            for depth in 0..12 {
+                let Some(hit) = world.intersect(&ray) else {
+                    *out += beta * world.beyond(ray.direction, |_| f32::from(depth == 0));
+                    break;
+                };
+                let point = world.surface(&ray, &hit);
+                if depth == 0 {
+                    *out += world.material(&point).emitted(&point.texture);
+                }
+                let bsdf = world.bsdf(&point, &Media::default());
+                let wo = -ray.direction.as_vec3();
+                let [pick, u, v, _] = camera.sampler.set(2 * depth + 2);
+                let light = world.sample_light(point.p, pick, Vec2::new(u, v));
+                if let Some(light) = light.filter(|_| depth < 11) {
+                    let (wi, _) = light.source.seen_from(point.p).unwrap();
+                    let f_cos = bsdf.eval(wo, wi).0;
+                    if f_cos != Rgb::ZERO && !world.occluded(&point.towards(light.source)) {
+                        *out += beta * f_cos * light.li / light.divisor();
+                    }
+                }
+                let [pick, u, v, _] = camera.sampler.set(2 * depth + 1);
+                let Some(sample) = bsdf.sample(wo, pick, Vec2::new(u, v)) else {
+                    break;
+                };
+                beta *= sample.weight;
+                ray = point.spawn(sample.wi);
+            }
+        }
+        0
+    }
+}
+
 /// Checks that the path integrator renders the scene as [`BsdfOnly`] does.
-pub fn assert_agreement(mut scene: Scene) {
+pub fn assert_agreement(scene: Scene) {
+    assert_agreement_with(scene, &BsdfOnly);
+}
+
+/// Checks that the path integrator renders the scene as the `other` does.
+fn assert_agreement_with(mut scene: Scene, other: &dyn Integrator) {
     scene.integrator = IntegratorSettings::Path {
         max_depth: Some(11),
         russian_roulette: true,
@@ -326,7 +372,7 @@ pub fn assert_agreement(mut scene: Scene) {
                     seed,
                 };
                 if plain {
-                    shoot_with(&world, &BsdfOnly, shot)
+                    shoot_with(&world, other, shot)
                 } else {
                     shoot(&world, shot)
                 }
@@ -403,4 +449,41 @@ fn light_sampling_agrees_on_rough_and_layered_surfaces() {
         material.surface = surface;
     }
     assert_agreement(scene);
+}
+
+#[test]
+fn lamps_of_all_kinds_give_the_same_picture_by_either_way_of_sampling_alone_and_by_both() {
+    assert_agreement_with(showroom(), &BsdfOnly);
+    assert_agreement_with(showroom(), &LightOnly);
+}
+
+#[test]
+fn a_lamp_sheds_no_light_on_itself_unless_it_is_bent() {
+    let shot = Shot {
+        spp: 16,
+        sampler: SamplerKind::Independent,
+        seed: 1,
+    };
+    for solid in [
+        Solid::Sphere { radius: 1.0 },
+        Solid::Box { half: DVec3::ONE },
+        Solid::Cylinder {
+            radius: 1.0,
+            height: 1.0,
+        },
+        Solid::Disk { radius: 1.0 },
+    ] {
+        for stretch in [1.0, 1.5] {
+            let mut scene = empty_scene();
+            scene.cameras = vec![camera(DVec3::new(0.5, 0.4, 6.0), DVec3::ZERO)];
+            let lamp = scene.material(diffuse(0.9), 2.0);
+            let turn = glam::DMat3::from_axis_angle(DVec3::new(0.6, 0.8, 0.0), 0.5);
+            let scale = glam::DMat3::from_diagonal(DVec3::new(stretch, 1.0, 1.0));
+            let shape = solidtrace::geometry::Shape::Solid(solid);
+            scene.place(shape, lamp, glam::DAffine3::from_mat3(turn * scale));
+            for pixel in shoot(&scene.world(), shot) {
+                assert!(pixel.x <= 2.0001, "{solid:?} by {stretch}: {pixel}");
+            }
+        }
+    }
 }

@@ -23,6 +23,7 @@ mod girl;
 #[cfg(feature = "embree")]
 mod hits;
 mod infinity;
+mod lamps;
 mod layering;
 mod layers;
 mod lights;

@@ -1,12 +1,13 @@
 //! What a scene file says is what the description and the scene hold.
 
-use glam::{DVec3, Vec3};
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
+use glam::{DVec2, DVec3, Vec3};
 use solidtrace::camera::Projection;
 use solidtrace::color::{Rgb, Tonemap};
 use solidtrace::film::Filter;
 use solidtrace::geometry::{Shape, Solid};
-use solidtrace::light::{Light, PointLight};
+use solidtrace::light::{Cone, Light, PointLight};
 use solidtrace::material::{Fresnel, Surface};
 use solidtrace::scene::description::{
     EnvironmentDescription, ShapeDescription, SurfaceDescription, TextureDescription,
@@ -168,6 +169,7 @@ fn settings_are_as_written() {
     let light = Light::Point(PointLight {
         position: DVec3::new(-10.0, 20.0, 40.0),
         intensity: Vec3::splat(1500.0),
+        cone: None,
     });
     assert_eq!(d.lights, [light]);
     let [first, near] = &d.cameras[..] else {
@@ -297,6 +299,50 @@ fn solids_stand_where_their_numbers_say() {
 }
 
 #[test]
+fn rectangles_disks_and_spots_are_as_written() {
+    let text = r"(
+        camera: Perspective(eye: (0, 0, 9), look_at: (0, 0, 0), vfov: 45),
+        lights: [
+            Spot(position: (1, 2, 3), target: (1, 0, 3), intensity: (1, 2, 3), angle: 60, inner_angle: 60),
+            Spot(position: (0, 0, 0), direction: (0, 3, 0), intensity: (1, 1, 1)),
+        ],
+        objects: [
+            Rectangle(center: (1, 2, 3), size: (4, 2), axes: ((0, 1, 0), (0, 0, 1))),
+            Rectangle(size: (2, 2)),
+            Disk(center: (1, 2, 3), normal: (0, 2, 0), radius: 0.5),
+        ],
+    )";
+    let scene = SceneDescription::from_text("a.ron", text);
+    let scene = scene.and_then(|d| d.load()).unwrap();
+    let cones = scene.lights.iter().map(|light| match light {
+        Light::Point(point) => point.cone.unwrap(),
+        _ => panic!("{light:?}"),
+    });
+    let expected = [
+        Cone::new(DVec3::NEG_Y, FRAC_PI_3, FRAC_PI_3),
+        Cone::new(DVec3::Y, 0.0, FRAC_PI_4),
+    ];
+    for (cone, expected) in cones.zip(expected) {
+        assert_eq!(cone.axis, expected.axis);
+        assert!((cone.cos_inner - expected.cos_inner).abs() < 1e-12);
+        assert!((cone.cos_outer - expected.cos_outer).abs() < 1e-12);
+    }
+    let half = DVec2::new(2.0, 1.0);
+    assert_eq!(
+        scene.instances[0].shape,
+        Shape::Solid(Solid::Rectangle { half })
+    );
+    assert_near(placed(&scene, 0, [2.0, 0.0, 0.0]), [1.0, 4.0, 3.0]);
+    assert_near(placed(&scene, 0, [0.0, 1.0, 0.0]), [1.0, 2.0, 4.0]);
+    assert_near(placed(&scene, 1, [1.0, 1.0, 0.0]), [1.0, 1.0, 0.0]);
+    assert_eq!(
+        scene.instances[2].shape,
+        Shape::Solid(Solid::Disk { radius: 0.5 })
+    );
+    assert_near(placed(&scene, 2, [0.0, 0.0, 1.0]), [1.0, 3.0, 3.0]);
+}
+
+#[test]
 fn transforms_apply_in_the_order_written() {
     // (1, 1, 0) is scaled to (1, 2, 0), turned to (-2, 1, 0), moved to (3, 1, 0).
     assert_near(placed(&loaded(), 6, [1.0, 1.0, 0.0]), [3.0, 1.0, 0.0]);
@@ -374,7 +420,7 @@ fn escapes_mean_what_the_formats_say() {
 
 #[test]
 fn the_scenes_of_the_project_load() {
-    for name in ["first_light", "cornell"] {
+    for name in ["first_light", "cornell", "lamps"] {
         let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
         let scene = SceneDescription::read(&path).and_then(|d| d.load());
         let scene = scene.unwrap_or_else(|e| panic!("{e}"));

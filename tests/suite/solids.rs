@@ -48,7 +48,7 @@ fn lengths_of_spans_integrate_to_the_volumes_of_closed_forms() {
                 height,
             } => cone(from_radius, to_radius, height),
             Solid::Torus { major, minor } => 2.0 * PI * PI * major * minor * minor,
-            Solid::Plane => continue,
+            Solid::Plane | Solid::Rectangle { .. } | Solid::Disk { .. } => continue,
         };
         // Along x, so that no solid of revolution is seen from its own axis.
         let (bounds, n) = (solid.bounds(), 1000);

@@ -1,6 +1,6 @@
 //! Points, normals and sides of surfaces under transforms.
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use solidtrace::geometry::{Shape, Solid};
@@ -178,5 +178,59 @@ fn a_spawned_ray_does_not_meet_its_own_surface_again() {
             }
         }
         assert!(hits > 500, "{name}: {hits}");
+    }
+}
+
+#[test]
+fn rectangles_and_disks_are_met_from_both_sides_and_have_no_inside() {
+    let at = DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.5, 0.5, -2.0),
+        DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0),
+        DVec3::new(3.0, -1.0, 2.0),
+    );
+    let half = DVec2::new(0.9, 0.6);
+    for solid in [Solid::Rectangle { half }, Solid::Disk { radius: 0.8 }] {
+        let mut scene = empty_scene();
+        let grey = scene.material(diffuse(0.5), 0.0);
+        scene.place(Shape::Solid(solid), grey, at);
+        let world = scene.world();
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        let mut met = 0;
+        for i in 0..2000 {
+            let mut coordinate = || rng.random_range(-1.0..1.0);
+            let target = DVec3::new(coordinate(), coordinate(), 0.0);
+            let start = DVec3::new(coordinate(), coordinate(), coordinate());
+            let inside = match solid {
+                Solid::Rectangle { half } => target.truncate().abs().cmple(half).all(),
+                _ => target.length() <= 0.8,
+            };
+            let [from, to] = [start, target].map(|p| at.transform_point3(p));
+            let ray = Ray::new(from, to - from);
+            assert_eq!(world.occluded(&ray), inside, "{solid:?} {i}");
+            let hit = world.intersect(&ray);
+            assert_eq!(hit.is_some(), inside, "{solid:?} {i}");
+            let Some(hit) = hit else { continue };
+            met += 1;
+            let point = world.surface(&ray, &hit);
+            assert!((hit.t - 1.0).abs() < 1e-9 && (point.p - to).length() < 1e-9);
+            assert_eq!(point.side, if start.z > 0.0 { 1.0 } else { -1.0 });
+            let up = at.transform_vector3(DVec3::Z).dot(point.ng.as_dvec3());
+            assert!(up > 0.0);
+            let uv = if let Solid::Rectangle { half } = solid {
+                0.5 * (target.truncate() / half + 1.0)
+            } else {
+                let turn = target.y.atan2(target.x) / std::f64::consts::TAU;
+                DVec2::new(turn.rem_euclid(1.0), target.length() / 0.8)
+            };
+            assert!(point.texture.uv.abs_diff_eq(uv.as_vec2(), 1e-5));
+            // What leaves it on either side does not meet it again.
+            for side in [-1.0, 1.0] {
+                assert!(world.intersect(&point.spawn(side * point.ng)).is_none());
+            }
+        }
+        assert!(met > 700, "{met}");
+        let along = at.transform_vector3(DVec3::X);
+        let edge = at.transform_point3(DVec3::NEG_X * 3.0);
+        assert!(world.intersect(&Ray::new(edge, along)).is_none());
     }
 }

@@ -90,7 +90,10 @@ impl CsgTree {
                 plane(DVec3::ZERO, DVec3::Z);
                 plane(height * DVec3::Z, DVec3::Z);
             }
-            Solid::Sphere { .. } | Solid::Torus { .. } => {}
+            Solid::Sphere { .. }
+            | Solid::Torus { .. }
+            | Solid::Rectangle { .. }
+            | Solid::Disk { .. } => {}
         }
         let Some(scale) = place.uniform_scale() else {
             return;

@@ -1,6 +1,7 @@
 //! Exact analytic solids in f64, each in a canonical position; a transform places it in the world.
 
 mod cuboid;
+mod flat;
 mod frustum;
 mod plane;
 mod sphere;
@@ -12,12 +13,13 @@ use glam::{DVec2, DVec3};
 
 use crate::math::{Bounds, Ray};
 use cuboid::Cuboid;
+use flat::{Disk, Rectangle};
 use frustum::Frustum;
 use plane::Plane;
 use sphere::Sphere;
 use torus::Torus;
 
-/// A closed solid, or the half-space of a plane, in its canonical position.
+/// A closed solid, the half-space of a plane, or a piece of a plane, in its canonical position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solid {
     /// Centred at the origin.
@@ -55,6 +57,16 @@ pub enum Solid {
     },
     /// The plane z = 0 with its normal along +z; as a solid, the half-space z <= 0.
     Plane,
+    /// In the plane z = 0 with its normal along +z, centred at the origin, edges along x and y; it has no inside.
+    Rectangle {
+        /// Half the edge lengths, each above 0.
+        half: DVec2,
+    },
+    /// In the plane z = 0 with its normal along +z, centred at the origin; it has no inside.
+    Disk {
+        /// Above 0.
+        radius: f64,
+    },
 }
 
 /// One crossing of a ray's line with a solid's surface.
@@ -157,6 +169,14 @@ macro_rules! dispatch {
                 let $shape = Plane;
                 $call
             }
+            Solid::Rectangle { half } => {
+                let $shape = Rectangle { half };
+                $call
+            }
+            Solid::Disk { radius } => {
+                let $shape = Disk { radius };
+                $call
+            }
         }
     };
 }
@@ -170,6 +190,9 @@ impl Solid {
     /// nor underflows. So does a span's inside lie inside; what reaches no deeper, where a line grazes the
     /// surface, may be there or not, but never as an odd crossing. A line in the plane of a flat face counts
     /// as inside.
+    ///
+    /// Of a rectangle or disk it is the half-space behind its plane where the line goes through it, so that the finite end
+    /// of the span is where the line meets it.
     #[expect(
         clippy::useless_conversion,
         reason = "a torus gives spans, the convex solids one at most"
@@ -177,6 +200,15 @@ impl Solid {
     #[inline(always)]
     pub fn spans(&self, ray: &Ray) -> Spans {
         dispatch!(self, shape => shape.spans(ray).into())
+    }
+
+    /// Whether it stands in the world as a surface, which has two sides but no inside. As an operand of CSG a plane is a
+    /// half-space; the others are none.
+    pub fn is_surface(&self) -> bool {
+        matches!(
+            self,
+            Self::Plane | Self::Rectangle { .. } | Self::Disk { .. }
+        )
     }
 
     /// The first crossing with `tmin < t < tmax`, and whether the ray comes to it from inside.
@@ -217,6 +249,8 @@ impl Solid {
     pub fn uv_gradients(&self, p: DVec3, face: u32) -> [DVec3; 2] {
         let size = match self {
             Self::Plane => 1.0,
+            Self::Rectangle { half } => 2.0 * half.min_element(),
+            Self::Disk { radius } => 2.0 * radius,
             _ => self.bounds().size().min_element(),
         };
         let step = 1e-6 * size;

@@ -37,7 +37,7 @@ const SUPPORTED: [&str; 11] = [
 ];
 
 /// Reads a glTF file: a mesh for each glTF mesh that the scene uses, a part for each node that has one,
-/// cameras and point lights.
+/// cameras, point and spot lights.
 ///
 /// # Errors
 /// Where the file or one that it names cannot be read, is malformed, requires an extension that is not known,

@@ -1,11 +1,13 @@
 //! The scene's nodes: what stands where.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use crate::camera::{Camera, Projection};
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::light::{DistantLight, Light, PointLight};
+use crate::light::{Cone, DistantLight, Light, PointLight};
 use crate::math::Transform;
 
 use super::json::Json;
@@ -140,8 +142,8 @@ pub(super) fn camera(
     }))
 }
 
-/// The point or directional light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand:
-/// a candela is one W/sr here, not 1/683, and a lux one W/m².
+/// The light of a node, if it has one (`KHR_lights_punctual`). Intensities are taken as they stand: a candela is one W/sr
+/// here, not 1/683, and a lux one W/m².
 ///
 /// # Errors
 /// Where the light's fields are missing or out of range.
@@ -159,9 +161,10 @@ pub(super) fn light(
         .ok_or_else(|| reference.error("the file has no lights"))?;
     let (_, light) = lights.element("lights", &reference)?;
     let kind = light.need("type")?.text()?;
-    if !["point", "directional"].contains(&kind) {
+    let known = ["point", "spot", "directional"];
+    if !known.contains(&kind) {
         warnings.push(light.warning(&format!(
-            "lights of type `{kind}` are not read, only `point` and `directional`"
+            "lights of type `{kind}` are not read, only `point`, `spot` and `directional`"
         )));
         return Ok(None);
     }
@@ -173,17 +176,36 @@ pub(super) fn light(
             "the intensity {intensity} is negative or not finite"
         )));
     }
-    Ok(Some(if kind == "point" {
-        Light::Point(PointLight {
-            position: world_from_node.point(DVec3::ZERO),
-            intensity,
-        })
-    } else {
+    Ok(Some(match kind {
         // It shines along the node's -z axis.
-        Light::Distant(DistantLight {
+        "directional" => Light::Distant(DistantLight {
             direction: world_from_node.vector(DVec3::Z).normalize(),
             irradiance: intensity,
             angle: 0.0,
-        })
+        }),
+        _ => Light::Point(PointLight {
+            position: world_from_node.point(DVec3::ZERO),
+            intensity,
+            cone: match kind {
+                "spot" => Some(cone(&light, world_from_node)?),
+                _ => None,
+            },
+        }),
     }))
+}
+
+/// The cone of a spot light, which shines along the node's -z axis.
+fn cone(light: &Json<'_>, world_from_node: &Transform) -> Result<Cone> {
+    let spot = light.need("spot")?;
+    let inner = spot.number_or("innerConeAngle", 0.0)?;
+    let outer = spot.number_or("outerConeAngle", FRAC_PI_4)?;
+    // A right angle may be written a little larger.
+    if !(inner >= 0.0 && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
+        return Err(
+            (spot.error(format!("a cone between the angles {inner} and {outer}")))
+                .help("they must be at least 0, at most pi / 2, and the inner one the lesser"),
+        );
+    }
+    let axis = world_from_node.vector(DVec3::NEG_Z).normalize();
+    Ok(Cone::new(axis, inner, outer))
 }

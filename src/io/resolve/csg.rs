@@ -7,7 +7,7 @@ use std::slice;
 use glam::DMat3;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Csg, CsgId, CsgOp, MeshId, Operand, Shape};
+use crate::geometry::{Csg, CsgId, CsgOp, MeshId, Operand, Shape, Solid};
 use crate::material::MaterialId;
 use crate::math::Transform;
 use crate::scene::Instance;
@@ -120,6 +120,12 @@ impl<'a> Loader<'a> {
             let slots = slots(&mut draft.materials, materials);
             let place = place.after(&piece.world_from_object);
             let operand = match piece.shape {
+                Shape::Solid(Solid::Rectangle { .. } | Solid::Disk { .. }) => {
+                    let message = "the operand is a rectangle or disk, which has no inside";
+                    return Err(Error::input(message)
+                        .at(self.place(object.offset))
+                        .help("take a thin `Box` or `Cylinder`, or a `Plane`"));
+                }
                 Shape::Solid(solid) => Operand::Solid(solid),
                 Shape::Mesh(id) => self.mesh_operand(id, object)?,
                 Shape::Csg(id) => {

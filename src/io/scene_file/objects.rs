@@ -1,6 +1,6 @@
 //! Objects: what they are, in canonical position with the transform that puts them where their numbers say.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use crate::geometry::Solid;
 use crate::math::Transform;
@@ -53,13 +53,15 @@ fn shape<'n, 't>(
     f: &mut Fields<'n, 't>,
     operands: &mut Vec<&'n Node<'t>>,
 ) -> Result<ShapeDescription> {
-    const NAMES: [&str; 12] = [
+    const NAMES: [&str; 14] = [
         "Sphere",
         "Box",
         "Cylinder",
         "Cone",
         "Torus",
         "Plane",
+        "Rectangle",
+        "Disk",
         "Mesh",
         "Instance",
         "Union",
@@ -123,6 +125,24 @@ fn shape<'n, 't>(
             let normal = f.required("normal", Node::direction)?;
             (Solid::Plane, Transform::rigid(around(normal), point))
         }
+        "Rectangle" => {
+            let center = f.or("center", DVec3::ZERO, Node::point)?;
+            let half = f.required("size", |node| {
+                let [width, height] = node.tuple("`(width, height)`")?;
+                Ok(0.5 * DVec2::new(width.length()?, height.length()?))
+            })?;
+            let axes = f.optional("axes", axes)?.unwrap_or(DMat3::IDENTITY);
+            (Solid::Rectangle { half }, Transform::rigid(axes, center))
+        }
+        "Disk" => {
+            let center = f.or("center", DVec3::ZERO, Node::point)?;
+            let normal = f.required("normal", Node::direction)?;
+            let radius = f.required("radius", Node::length)?;
+            (
+                Solid::Disk { radius },
+                Transform::rigid(around(normal), center),
+            )
+        }
         "Mesh" => {
             return Ok(ShapeDescription::Mesh {
                 file: f.required("file", Node::reference)?,
@@ -162,7 +182,7 @@ fn segment(f: &mut Fields) -> Result<(Transform, f64)> {
     })
 }
 
-/// The x and y axis of a box; z follows.
+/// The x and y axis of a box or rectangle; z follows.
 fn axes(node: &Node) -> Result<DMat3> {
     let [first, second] = node.tuple("`((x, y, z), (x, y, z))`")?;
     let (x, y) = (first.direction()?, second.direction()?);
@@ -171,7 +191,7 @@ fn axes(node: &Node) -> Result<DMat3> {
         let angle = x.dot(y).acos().to_degrees();
         return Err(second
             .refuse(&format!("is at {angle:.1} degrees to the first axis"))
-            .help("the axes of a box are perpendicular"));
+            .help("the axes are perpendicular"));
     }
     let y = (y - x.dot(y) * x).normalize();
     Ok(DMat3::from_cols(x, y, x.cross(y)))

@@ -2,7 +2,7 @@
 
 use crate::color::Tonemap;
 use crate::film::Filter;
-use crate::light::{Light, PointLight};
+use crate::light::{Cone, Light, PointLight};
 use crate::scene::description::EnvironmentDescription;
 use crate::scene::{FilmSettings, IntegratorSettings};
 
@@ -112,9 +112,40 @@ pub(super) fn light(node: &Node) -> Result<Light> {
             Ok(Light::Point(PointLight {
                 position: f.required("position", Node::point)?,
                 intensity: f.required("intensity", Node::radiance)?,
+                cone: None,
             }))
         }),
+        "Spot" => choice.record(|f| Ok(Light::Point(spot(&choice, f)?))),
         "Sun" => choice.record(|f| Ok(Light::Distant(sky::sun(f)?))),
-        _ => Err(choice.unknown("a light", &["Point", "Sun"])),
+        _ => Err(choice.unknown("a light without extent", &["Point", "Spot", "Sun"])),
     }
+}
+
+fn spot<'n, 't>(choice: &Choice<'n, 't>, f: &mut Fields<'n, 't>) -> Result<PointLight> {
+    let position = f.required("position", Node::point)?;
+    let target = f.optional("target", |node| {
+        let towards = node.point()? - position;
+        (towards.try_normalize()).ok_or_else(|| node.refuse("is the same point as `position`"))
+    })?;
+    let direction = f.optional("direction", Node::direction)?;
+    let axis = match (target, direction) {
+        (Some(axis), None) | (None, Some(axis)) => axis,
+        (None, None) => {
+            return Err(choice
+                .fault("nothing says where the `Spot` shines")
+                .help("give it a `target` or a `direction`"));
+        }
+        (Some(_), Some(_)) => {
+            return Err(choice
+                .fault("the `Spot` has both a `target` and a `direction`")
+                .help("leave one of them out"));
+        }
+    };
+    let angle = f.or("angle", 45.0, |node| node.within(0.001, 180.0))?;
+    let inner = f.or("inner_angle", 0.0, |node| node.within(0.0, angle))?;
+    Ok(PointLight {
+        position,
+        intensity: f.required("intensity", Node::radiance)?,
+        cone: Some(Cone::new(axis, inner.to_radians(), angle.to_radians())),
+    })
 }

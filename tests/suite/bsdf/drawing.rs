@@ -25,7 +25,7 @@ fn ln_gamma(x: f64) -> f64 {
 
 /// The chance of a chi-squared variable of `freedom` degrees above `x`: 1 - P(freedom/2, x/2) by its series (Abramowitz
 /// and Stegun 6.5.29), which converges for all that occurs here.
-fn chance_above(x: f64, freedom: usize) -> f64 {
+pub fn chance_above(x: f64, freedom: usize) -> f64 {
     let (a, x) = (0.5 * freedom as f64, 0.5 * x);
     if x > 20.0 * a + 200.0 {
         return 0.0;

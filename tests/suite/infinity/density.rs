@@ -65,7 +65,7 @@ fn directions_come_with_the_density_that_is_said_and_that_integrates_to_one() {
         for i in 0..COUNT {
             let sampler = Sampler::new(SamplerKind::Independent, seed as u64, (0, 0), i);
             let [pick, u, v, _] = sampler.set(0);
-            let sample = lights.sample(DVec3::ZERO, pick, Vec2::new(u, v)).unwrap();
+            let (_, sample) = lights.sample(DVec3::ZERO, pick, Vec2::new(u, v)).unwrap();
             let Source::Direction(wi) = sample.source else {
                 panic!("{sample:?}");
             };

@@ -55,7 +55,7 @@ impl Integrator for LightOnly {
                 let hit = world.intersect(&camera.ray)?;
                 let point = world.surface(&camera.ray, &hit);
                 let [pick, u, v, _] = camera.sampler.set(2);
-                let sample = world.lights().sample(point.p, pick, Vec2::new(u, v))?;
+                let sample = world.sample_light(point.p, pick, Vec2::new(u, v))?;
                 let (wi, _) = sample.source.seen_from(point.p)?;
                 if world.occluded(&point.towards(sample.source)) {
                     return None;

@@ -72,7 +72,7 @@ fn misspelt_names_get_a_suggestion() {
         "environment: «Const(color: (1, 1, 1))",
         &["`Const`", "Constant"],
     );
-    setting_fails("lights: [«Spot()]", &["`Spot`", "Point"]);
+    setting_fails("lights: [«Spto()]", &["`Spto`", "Spot"]);
     setting_fails(
         "film: (filter: «Gausian(radius: 2))",
         &["`Gausian`", "did you mean `Gaussian`?"],

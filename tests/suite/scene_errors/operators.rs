@@ -28,6 +28,16 @@ fn operators_must_have_operands() {
 }
 
 #[test]
+fn operands_must_have_an_inside() {
+    let parts = ["has no inside", "thin `Box`"];
+    object_fails("Union(of: [«Disk(normal: (0, 0, 1), radius: 1)])", &parts);
+    object_fails(
+        "Difference(from: Sphere(radius: 1), subtract: [«Rectangle(size: (1, 1))])",
+        &parts,
+    );
+}
+
+#[test]
 fn the_first_mistake_of_a_tree_is_reported() {
     object_fails(
         "Union(of: [Union(of: [Sphere(radius: «-1)]), Sphere(radius: -2)])",

@@ -58,6 +58,59 @@ fn solids_must_not_be_degenerate() {
 }
 
 #[test]
+fn rectangles_and_disks_have_a_size_and_a_direction() {
+    object_fails(
+        "Rectangle(size: (1, «0))",
+        &["`0`", "`size` of `Rectangle`", "above 0"],
+    );
+    object_fails("Rectangle(size: «(1, 1, 1))", &["3 values", "2"]);
+    object_fails("Rectangle(size: «3)", &["`(width, height)`"]);
+    object_fails(
+        "Rectangle(size: (1, 1), axes: ((1, 0, 0), «(1, 1, 0)))",
+        &["45.0 degrees", "perpendicular"],
+    );
+    object_fails("«Disk(radius: 1)", &["needs the field `normal`"]);
+    object_fails(
+        "Disk(normal: (0, 1, 0), radius: «-2)",
+        &["`-2`", "`radius` of `Disk`"],
+    );
+}
+
+#[test]
+fn a_spot_shines_one_way_within_its_angles() {
+    let spot = |rest: &str| format!("lights: [Spot(position: (1, 2, 3), {rest})]");
+    let fine = "intensity: (1, 1, 1)";
+    setting_fails(
+        &format!("lights: [«Spot(position: (1, 2, 3), {fine})]"),
+        &["where", "a `target` or a `direction`"],
+    );
+    setting_fails(
+        &format!(
+            "lights: [«Spot(position: (1, 2, 3), target: (0, 0, 0), direction: (0, 0, 1), {fine})]"
+        ),
+        &["both", "leave one"],
+    );
+    setting_fails(
+        &spot(&format!("target: «(1, 2, 3), {fine}")),
+        &["same point as `position`"],
+    );
+    setting_fails(
+        &spot(&format!("direction: (0, 0, 1), angle: «0, {fine}")),
+        &["`0`", "`angle` of `Spot`", "180"],
+    );
+    setting_fails(
+        &spot(&format!(
+            "direction: (0, 0, 1), angle: 20, inner_angle: «30, {fine}"
+        )),
+        &["`30`", "0..=20"],
+    );
+    setting_fails(
+        "lights: [«Spot(position: (1, 2, 3), target: (0, 0, 0))]",
+        &["needs the field `intensity`"],
+    );
+}
+
+#[test]
 fn transforms_must_be_invertible() {
     let sphere =
         |step: &str| format!("Sphere(radius: 1, transform: [Translate((1, 0, 0)), {step}])");

@@ -83,6 +83,7 @@ pub(super) fn size(solid: &Solid) -> f64 {
         } => from_radius.max(to_radius).hypot(height),
         Solid::Torus { major, minor } => major + minor,
         Solid::Plane => 1.0,
+        Solid::Rectangle { .. } | Solid::Disk { .. } => unreachable!("not closed"),
     }
 }
 
@@ -135,6 +136,7 @@ pub(super) fn faces(solid: &Solid, [x, y, z]: Point) -> Vec<Double> {
             vec![length(length(x, y) - real(major), z) - real(minor)]
         }
         Solid::Plane => vec![z],
+        Solid::Rectangle { .. } | Solid::Disk { .. } => unreachable!("not closed"),
     }
 }
 

@@ -135,6 +135,7 @@ impl Build for Scene {
         self.lights.push(Light::Point(PointLight {
             position,
             intensity: Rgb::splat(intensity),
+            cone: None,
         }));
         self
     }

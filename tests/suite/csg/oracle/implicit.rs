@@ -21,5 +21,6 @@ pub fn outside(solid: &Solid, p: DVec3) -> f64 {
         }
         Solid::Torus { major, minor } => (rho - major).hypot(p.z) - minor,
         Solid::Plane => p.z,
+        Solid::Rectangle { .. } | Solid::Disk { .. } => unreachable!("no inside"),
     }
 }

@@ -54,14 +54,16 @@ fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
     let (mut document, binary) = triangle();
     let half = 0.5_f64.sqrt();
     let light = |i: u32| json!({"KHR_lights_punctual": {"light": i}});
-    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4, 5]}]);
+    document["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4, 5, 6, 7]}]);
     document["nodes"] = json!([
         {"mesh": 0},
         {"camera": 0, "translation": [1, 2, 3], "rotation": [0, half, 0, half], "scale": [3, 3, 3], "name": "node"},
         {"camera": 1},
         {"extensions": light(0), "translation": [0, 4, 0]},
         {"extensions": light(1)},
-        {"extensions": light(2), "rotation": [0, half, 0, half], "scale": [3, 3, 3]},
+        {"extensions": light(2), "rotation": [half, 0, 0, half], "scale": [2, 2, 2]},
+        {"extensions": light(3)},
+        {"extensions": light(4), "rotation": [0, half, 0, half], "scale": [3, 3, 3]},
     ]);
     document["cameras"] = json!([
         {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}},
@@ -69,7 +71,9 @@ fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
     ]);
     document["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
-        {"type": "spot"},
+        {"type": "area"},
+        {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
+        {"type": "spot", "spot": {}},
         {"type": "directional", "color": [0.5, 1, 2], "intensity": 3},
     ]}});
     let model = read(&files, &(document.clone(), binary.clone()));
@@ -83,11 +87,26 @@ fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
     assert!((camera.look_at - camera.eye).abs_diff_eq(DVec3::NEG_X, 1e-12));
     assert!(camera.up.abs_diff_eq(DVec3::Y, 1e-12));
     assert_eq!(camera.projection, Projection::pinhole(0.75));
-    let [Light::Point(point), Light::Distant(distant)] = &model.lights[..] else {
+    let [
+        Light::Point(point),
+        Light::Point(spot),
+        Light::Point(wide),
+        Light::Distant(distant),
+    ] = &model.lights[..]
+    else {
         panic!("{:?}", model.lights);
     };
     assert_eq!(point.position, 4.0 * DVec3::Y);
     assert_eq!(point.intensity, Rgb::new(8.0, 4.0, 2.0));
+    assert_eq!(point.cone, None);
+    let cone = spot.cone.unwrap();
+    // A quarter turn about x takes -z to y.
+    assert!(cone.axis.abs_diff_eq(DVec3::Y, 1e-12), "{cone:?}");
+    let cosines = |inner: f64, outer: f64| [inner.cos(), outer.cos()];
+    assert_eq!([cone.cos_inner, cone.cos_outer], cosines(0.25, 0.5));
+    let cone = wide.cone.unwrap();
+    let default = cosines(0.0, std::f64::consts::FRAC_PI_4);
+    assert_eq!([cone.cos_inner, cone.cos_outer], default);
     // It shines along -z, which is turned to -x, so it stands at +x.
     assert!(distant.direction.abs_diff_eq(DVec3::X, 1e-12));
     assert_eq!(distant.irradiance, Rgb::new(1.5, 3.0, 6.0));
@@ -121,8 +140,18 @@ fn cameras_look_along_minus_z_and_lights_keep_their_numbers() {
             "/extensions/KHR_lights_punctual/lights/0",
         ),
         (
+            "/extensions/KHR_lights_punctual/lights/2/spot/outerConeAngle",
+            json!(1.6),
+            "/extensions/KHR_lights_punctual/lights/2/spot",
+        ),
+        (
+            "/extensions/KHR_lights_punctual/lights/2/spot/innerConeAngle",
+            json!(0.5),
+            "/extensions/KHR_lights_punctual/lights/2/spot",
+        ),
+        (
             "/nodes/3/extensions/KHR_lights_punctual/light",
-            json!(3),
+            json!(5),
             "/nodes/3/extensions/KHR_lights_punctual/light",
         ),
     ] {

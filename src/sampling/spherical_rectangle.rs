@@ -1,0 +1,60 @@
+use glam::DVec2;
+
+/// A rectangle as it is seen from a point, for drawing directions uniformly from the solid angle that it subtends
+/// (after Ureña, Fajardo and King 2013, "An Area-Preserving Parametrization for Spherical Rectangles").
+///
+/// Coordinates are along its edges, from the foot of the point's perpendicular on its plane.
+#[derive(Clone, Copy, Debug)]
+pub struct SphericalRectangle {
+    x: [f64; 2],
+    y: [f64; 2],
+    height: f64,
+    /// [`Self::strip`] at the lesser x.
+    start: f64,
+    solid_angle: f64,
+}
+
+impl SphericalRectangle {
+    /// The rectangle of the ranges `x` and `y`, seen from `height` above 0 over its plane.
+    pub fn new(x: [f64; 2], y: [f64; 2], height: f64) -> Self {
+        let start = strip(x[0], y, height);
+        Self {
+            x,
+            y,
+            height,
+            start,
+            solid_angle: strip(x[1], y, height) - start,
+        }
+    }
+
+    /// In steradians, at least 0; its inverse is the density of [`Self::sample`].
+    pub fn solid_angle(&self) -> f64 {
+        self.solid_angle.max(0.0)
+    }
+
+    /// A point of the rectangle, uniform in solid angle, as shares of its ranges.
+    pub fn sample(&self, u2: DVec2) -> DVec2 {
+        let Self { x, y, height, .. } = *self;
+        // The strip that ends at x and holds the share u of the solid angle. With b_i the sines of the elevations of
+        // both y over the plane x = 0 and c that of x, it is asin(c b_1) - asin(c b_0); this is that solved for c.
+        let angle = self.start + u2.x * self.solid_angle;
+        let [b0, b1] = y.map(|y| y / y.hypot(height));
+        let spread = (b1 - b0).powi(2) + 4.0 * b0 * b1 * (0.5 * angle).sin().powi(2);
+        let c = (angle.sin() / spread.sqrt()).clamp(-1.0, 1.0);
+        let at_x = (c * height / (1.0 - c * c).sqrt()).clamp(x[0], x[1]);
+        // Along the segment at x the solid angle is proportional to the sine of the elevation.
+        let distance = at_x.hypot(height);
+        let [s0, s1] = y.map(|y| y / y.hypot(distance));
+        let s = s0 + u2.y * (s1 - s0);
+        let at_y = (s * distance / (1.0 - s * s).sqrt()).clamp(y[0], y[1]);
+        DVec2::new((at_x - x[0]) / (x[1] - x[0]), (at_y - y[0]) / (y[1] - y[0]))
+    }
+}
+
+/// The solid angle of the strip between 0 and `x`, negative where `x` is: a difference of two arcs' tangents, as the
+/// argument of one complex product.
+fn strip(x: f64, y: [f64; 2], height: f64) -> f64 {
+    let [r0, r1] = y.map(|y| (x * x + y * y + height * height).sqrt());
+    let sin = height * x * (y[1] * r0 - y[0] * r1);
+    sin.atan2(height * height * r0 * r1 + x * x * y[0] * y[1])
+}
