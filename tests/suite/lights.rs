@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
 use solidtrace::camera::Projection;
 use solidtrace::color::Rgb;
-use solidtrace::geometry::{Mesh, Solid};
+use solidtrace::geometry::{Mesh, Shape, Solid};
 use solidtrace::integrator::{CameraRay, Integrator};
 use solidtrace::material::{Fresnel, Metal, Principled, Surface};
 use solidtrace::sampling::{SamplerKind, uniform_sphere};
@@ -33,7 +33,7 @@ pub fn floor(x: f64) -> Scene {
     };
     let white = scene.material(diffuse(1.0), 0.0);
     let up = glam::DAffine3::from_axis_angle(DVec3::X, -PI / 2.0);
-    scene.place(solidtrace::geometry::Shape::Solid(Solid::Plane), white, up);
+    scene.place(Shape::Solid(Solid::Plane), white, up);
     scene
 }
 
@@ -458,6 +458,30 @@ fn lamps_of_all_kinds_give_the_same_picture_by_either_way_of_sampling_alone_and_
 }
 
 #[test]
+fn lamps_of_frosted_glass_are_seen_from_inside_as_well() {
+    let mut scene = showroom();
+    for material in &mut scene.materials {
+        if material.emission != Rgb::ZERO {
+            material.surface = Surface::Dielectric {
+                ior: 1.3,
+                fresnel: Fresnel::Exact,
+                roughness: 0.6.into(),
+                absorption: Rgb::ZERO,
+            };
+        }
+    }
+    // Of two dimensions there is no inside.
+    scene.instances.retain(|instance| {
+        !matches!(
+            instance.shape,
+            Shape::Solid(Solid::Rectangle { .. } | Solid::Disk { .. }) | Shape::Mesh(_)
+        )
+    });
+    scene.cameras[0].projection = Projection::pinhole(0.5);
+    assert_agreement(scene);
+}
+
+#[test]
 fn a_lamp_sheds_no_light_on_itself_unless_it_is_bent() {
     let shot = Shot {
         spp: 16,
@@ -479,7 +503,7 @@ fn a_lamp_sheds_no_light_on_itself_unless_it_is_bent() {
             let lamp = scene.material(diffuse(0.9), 2.0);
             let turn = glam::DMat3::from_axis_angle(DVec3::new(0.6, 0.8, 0.0), 0.5);
             let scale = glam::DMat3::from_diagonal(DVec3::new(stretch, 1.0, 1.0));
-            let shape = solidtrace::geometry::Shape::Solid(solid);
+            let shape = Shape::Solid(solid);
             scene.place(shape, lamp, glam::DAffine3::from_mat3(turn * scale));
             for pixel in shoot(&scene.world(), shot) {
                 assert!(pixel.x <= 2.0001, "{solid:?} by {stretch}: {pixel}");

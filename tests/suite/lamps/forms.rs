@@ -4,11 +4,15 @@
 
 use std::f64::consts::PI;
 
-use glam::{DAffine3, DVec2, DVec3};
-use solidtrace::geometry::Solid;
+use glam::{DAffine3, DVec2, DVec3, Vec2};
+use solidtrace::color::Rgb;
+use solidtrace::geometry::{Mesh, Shape, Solid};
+use solidtrace::math::Transform;
+use solidtrace::texture::{Pattern, Ramp, Texture};
 use solidtrace::world::World;
 
 use super::{SOLIDS, alone, alone_mesh, askew, irradiance, mesh, sheared};
+use crate::support::{Build, diffuse, empty_scene};
 
 /// `factor` is of the hemisphere; radiance is 1.
 #[track_caller]
@@ -155,6 +159,49 @@ fn polygons_shed_the_light_of_lamberts_formula() {
     let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
     for (p, n) in PLACES {
         assert_factor(&world, p, n, polygon(p, n, &corners), 0.003);
+    }
+}
+
+#[test]
+fn a_textured_rectangle_sheds_the_light_of_its_parts() {
+    let half = DVec2::new(1.0, 0.4);
+    for at in [DAffine3::IDENTITY, askew(), sheared()] {
+        let corners = [(-1.0, -0.4), (1.0, -0.4), (1.0, 0.4), (-1.0, 0.4)];
+        let corners = corners.map(|(x, y)| DVec3::new(x, y, 0.0));
+        let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        let mesh = Mesh {
+            uvs: uvs.to_vec(),
+            ..mesh(
+                &corners.map(|p| p.as_vec3().to_array()),
+                &[[0, 1, 2], [2, 3, 0]],
+            )
+        };
+        for of_triangles in [false, true] {
+            let mut scene = empty_scene();
+            let lamp = scene.material(diffuse(0.0), 2.0);
+            scene.materials[lamp.0 as usize].emission_texture = Some(Texture::Pattern {
+                pattern: Pattern::UvChecker { step: 0.5 },
+                colors: Ramp::between(Rgb::splat(0.25), Rgb::splat(1.5)),
+            });
+            if of_triangles {
+                scene.mesh(mesh.clone(), lamp);
+                scene.instances[0].world_from_object = Transform::new(at).unwrap();
+            } else {
+                scene.place(Shape::Solid(Solid::Rectangle { half }), lamp, at);
+            }
+            let world = scene.world();
+            for (p, n) in PLACES {
+                let mut factor = 0.0;
+                for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                    // From the middle to one corner.
+                    let (x, y) = (x * half.x * DVec3::X, y * half.y * DVec3::Y);
+                    let part = [DVec3::ZERO, x, x + y, y].map(|p| at.transform_point3(p));
+                    let even = x.x * y.y > 0.0;
+                    factor += polygon(p, n, &part) * if even { 0.5 } else { 3.0 };
+                }
+                assert_factor(&world, p, n, factor, 0.01);
+            }
+        }
     }
 }
 

@@ -117,6 +117,14 @@ fn lamps() -> Vec<(String, World)> {
     let sliver = [[-0.9, 0.0, 0.1], [0.9, 0.04, 0.0], [0.0, 0.0, 0.1]];
     lamps.push(("triangle".into(), alone_mesh(mesh(&triangle, &[[0, 1, 2]]))));
     lamps.push(("sliver".into(), alone_mesh(mesh(&sliver, &[[0, 1, 2]]))));
+    // In f32 its corners are not quite in one plane.
+    let square = [[-0.7, -0.7], [0.7, -0.7], [0.7, 0.7], [-0.7, 0.7]];
+    let square = square.map(|[x, y]| askew().transform_point3(DVec3::new(x, y, 0.0)));
+    let square = mesh(
+        &square.map(|p| p.as_vec3().to_array()),
+        &[[0, 1, 2], [0, 2, 3]],
+    );
+    lamps.push(("rounded square".into(), alone_mesh(square)));
     let cube = box_mesh(Vec3::new(-0.5, -0.3, 0.0), Vec3::new(0.4, 0.6, 0.2));
     lamps.push(("box of triangles".into(), alone_mesh(cube)));
     lamps
