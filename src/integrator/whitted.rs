@@ -102,8 +102,8 @@ impl WhittedIntegrator {
                 Light::Point(_) | Light::Distant(_) => {
                     sum += light.sample(point.p, u2).map_or(Rgb::ZERO, &mut add);
                 }
+                Light::Surface(_) => surfaces = true,
                 Light::Environment(_) => {}
-                _ => surfaces = true,
             }
         }
         if surfaces {

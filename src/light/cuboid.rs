@@ -1,12 +1,10 @@
-use std::f64::consts::PI;
-
 use glam::{DVec2, DVec3, Vec2};
 
 use crate::color::Rgb;
 use crate::sampling::choose;
 
-use super::LightSample;
 use super::quad::{Quad, View};
+use super::surface::SurfaceSample;
 
 /// A box in world space, or what an affine map makes of one, that emits `radiance` from every point of its surface,
 /// inward too.
@@ -25,14 +23,17 @@ pub struct BoxLight {
 impl BoxLight {
     /// Of the faces in view one by its solid angle, then a point as on a rectangle: uniform in solid angle over all that
     /// is seen of the box.
-    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let faces = self.faces();
         let views = self.views(&faces, from);
         let (face, u) = choose(f64::from(u2.x), extents(&views))?;
         let view = views[face].as_ref()?;
         let (p, pdf) = view.sample(DVec2::new(u, f64::from(u2.y)));
-        let pdf = pdf * share(&views, face);
-        LightSample::of_surface(p + self.error * view.n, self.radiance, pdf, face as u32)
+        Some(SurfaceSample {
+            p: p + self.error * view.n,
+            face: face as u32,
+            pdf: pdf * share(&views, face),
+        })
     }
 
     pub(super) fn pdf(&self, from: DVec3, p: DVec3, face: u32) -> f64 {
@@ -72,9 +73,9 @@ impl BoxLight {
         })
     }
 
-    pub(super) fn power(&self) -> f64 {
-        let areas = self.faces().map(|quad| quad.area());
-        PI * areas.iter().sum::<f64>() * f64::from(self.radiance.element_sum())
+    /// Of the outside: what shines inward comes out no more.
+    pub(super) fn area(&self) -> f64 {
+        self.faces().iter().map(Quad::area).sum()
     }
 }
 

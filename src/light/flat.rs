@@ -1,8 +1,4 @@
-use std::f64::consts::TAU;
-
 use glam::DVec3;
-
-use crate::color::Rgb;
 
 /// Steradians below which directions are not drawn from a solid angle: rounding would show, and area does as well.
 pub(super) const SMALL: f64 = 1e-4;
@@ -54,9 +50,5 @@ impl Flat {
     /// drawing from the solid angle gains less variance than it takes time, as the Cornell box has it.
     pub(super) fn is_near(&self, to: DVec3) -> bool {
         to.length_squared() < self.near2
-    }
-
-    pub(super) fn power(&self, radiance: Rgb) -> f64 {
-        TAU * self.area * f64::from(radiance.element_sum())
     }
 }

@@ -3,8 +3,8 @@ use glam::{DVec2, DVec3, Vec2};
 use crate::color::Rgb;
 use crate::sampling::SphericalRectangle;
 
-use super::LightSample;
 use super::flat::{Flat, SMALL};
+use super::surface::SurfaceSample;
 
 /// A parallelogram in world space that emits `radiance` from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,10 +26,14 @@ impl QuadLight {
     }
 
     /// Uniform in solid angle, of a rectangle from nearby; else in area.
-    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let view = self.quad.view(from, self.error)?;
         let (p, pdf) = view.sample(u2.as_dvec2());
-        LightSample::of_surface(p + self.error * view.n, self.radiance, pdf, 0)
+        Some(SurfaceSample {
+            p: p + self.error * view.n,
+            face: 0,
+            pdf,
+        })
     }
 
     pub(super) fn pdf(&self, from: DVec3, p: DVec3) -> f64 {
@@ -40,8 +44,9 @@ impl QuadLight {
         self.quad.point(u2.as_dvec2())
     }
 
-    pub(super) fn power(&self) -> f64 {
-        self.quad.flat.power(self.radiance)
+    /// Of both sides.
+    pub(super) fn area(&self) -> f64 {
+        2.0 * self.quad.area()
     }
 }
 

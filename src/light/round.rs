@@ -1,5 +1,3 @@
-use std::f64::consts::PI;
-
 use glam::{DVec2, DVec3, Vec2};
 
 use crate::color::Rgb;
@@ -7,8 +5,8 @@ use crate::geometry::Solid;
 use crate::math::Transform;
 use crate::sampling::choose;
 
-use super::LightSample;
 use super::patch::{Patches, patches};
+use super::surface::SurfaceSample;
 
 /// A disk, cylinder, cone, torus or sphere under any transform that emits `radiance` from every point of its surface,
 /// from both sides.
@@ -34,14 +32,17 @@ struct Viewer {
 
 impl RoundLight {
     /// Uniform in area over what is in view, area being that of object space.
-    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let viewer = self.viewer(from);
         let (q, face) = draw(&viewer.patches, u2)?;
         let p = self.world_from_object.point(q);
         let outward = self.solid.normal(q, face);
         let n = self.world_from_object.normal(outward) * outward.dot(viewer.local - q).signum();
-        let pdf = self.density(&viewer, p, face);
-        LightSample::of_surface(p + self.error * n, self.radiance, pdf, face)
+        Some(SurfaceSample {
+            p: p + self.error * n,
+            face,
+            pdf: self.density(&viewer, p, face),
+        })
     }
 
     pub(super) fn pdf(&self, from: DVec3, p: DVec3, face: u32) -> f64 {
@@ -77,7 +78,8 @@ impl RoundLight {
         viewer.from.distance(p).powi(3) / (total * determinant * facing).abs()
     }
 
-    pub(super) fn power(&self) -> f64 {
+    /// Of the outside, or of both sides of a disk.
+    pub(super) fn area(&self) -> f64 {
         const GRID: u32 = 16;
         let all = patches(self.solid, None);
         let transform = &self.world_from_object;
@@ -91,7 +93,7 @@ impl RoundLight {
         let area = areas(&all).iter().sum::<f64>()
             * (stretch * transform.matrix().matrix3.determinant()).abs();
         let sides = if self.solid.is_surface() { 2.0 } else { 1.0 };
-        sides * PI * area * f64::from(self.radiance.element_sum())
+        sides * area
     }
 }
 

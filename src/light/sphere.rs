@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::math::Frame;
 use crate::sampling::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 
-use super::LightSample;
+use super::surface::SurfaceSample;
 
 /// A sphere in world space that emits `radiance` from every point of its surface, inward too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct SphereLight {
 
 impl SphereLight {
     /// From outside, uniform over the cone in which the sphere is seen; from inside, over all directions.
-    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let axis = self.center - from;
         let one_minus_cos = self.one_minus_cos(from)?;
         let frame = Frame::around(axis.try_normalize().unwrap_or(DVec3::Z).as_vec3());
@@ -38,8 +38,11 @@ impl SphereLight {
         let t = if outside { along - half } else { along + half };
         let n = (from + t * direction - self.center).try_normalize()?;
         let clearance = if outside { self.error } else { -self.error };
-        let p = self.center + (self.radius + clearance) * n;
-        LightSample::of_surface(p, self.radiance, self.pdf(from), 0)
+        Some(SurfaceSample {
+            p: self.center + (self.radius + clearance) * n,
+            face: 0,
+            pdf: self.pdf(from),
+        })
     }
 
     pub(super) fn pdf(&self, from: DVec3) -> f64 {
@@ -65,7 +68,8 @@ impl SphereLight {
         Some(if sin2 < 1.0 { outside() } else { 2.0 })
     }
 
-    pub(super) fn power(&self) -> f64 {
-        4.0 * PI * PI * self.radius * self.radius * f64::from(self.radiance.element_sum())
+    /// Of the outside.
+    pub(super) fn area(&self) -> f64 {
+        4.0 * PI * self.radius * self.radius
     }
 }

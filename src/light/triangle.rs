@@ -5,8 +5,8 @@ use glam::{DVec3, Vec2};
 use crate::color::Rgb;
 use crate::sampling::{SphericalTriangle, uniform_triangle};
 
-use super::LightSample;
 use super::flat::{Flat, SMALL};
+use super::surface::SurfaceSample;
 
 /// A triangle in world space that emits `radiance` from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ impl TriangleLight {
     }
 
     /// Uniform in solid angle from nearby, else in area.
-    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
+    pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let to = self.corner - from;
         let n = self.flat.normal_towards(to, self.error)?;
         let (p, pdf) = if let Some(seen) = self.seen(to) {
@@ -47,7 +47,11 @@ impl TriangleLight {
             let p = self.point(u2);
             (p, self.flat.pdf(p - from))
         };
-        LightSample::of_surface(p + self.error * n, self.radiance, pdf, 0)
+        Some(SurfaceSample {
+            p: p + self.error * n,
+            face: 0,
+            pdf,
+        })
     }
 
     pub(super) fn pdf(&self, from: DVec3, p: DVec3) -> f64 {
@@ -80,7 +84,8 @@ impl TriangleLight {
             .then_some(seen)
     }
 
-    pub(super) fn power(&self) -> f64 {
-        self.flat.power(self.radiance)
+    /// Of both sides.
+    pub(super) fn area(&self) -> f64 {
+        2.0 * self.flat.area()
     }
 }

@@ -7,9 +7,9 @@ use crate::color::Rgb;
 use crate::geometry::{Mesh, MeshId, Shape, Solid};
 use crate::light::{
     BoxLight, Light, LightSample, LightSampler, Quad, QuadLight, RoundLight, Source, SphereLight,
-    TriangleLight,
+    SurfaceLight, TriangleLight,
 };
-use crate::material::Material;
+use crate::material::{Material, MaterialId};
 use crate::scene::Instance;
 
 use super::World;
@@ -108,7 +108,7 @@ impl World {
                 };
                 let varies = self.emitter(place).1.emission_texture.is_some();
                 emitters.places.push(varies.then_some(place));
-                lights.push(light);
+                lights.push(Light::Surface(light));
                 lights.len() as u32 - 1
             };
             let surfaces = match self.scene.instances[instance as usize].shape {
@@ -127,26 +127,26 @@ impl World {
     }
 
     /// A light with the mean of what its texture lets it emit; `None` where that is nothing, as far as can be seen.
-    fn with_mean_radiance(&self, place: Place, mut light: Light) -> Option<Light> {
+    fn with_mean_radiance(&self, place: Place, mut light: SurfaceLight) -> Option<SurfaceLight> {
         let (instance, material) = self.emitter(place);
         if material.emission_texture.is_some() {
             let grid = match light {
-                Light::Triangle(_) => 4,
+                SurfaceLight::Triangle(_) => 4,
                 _ => 32,
             };
             let emitted = |i: u32| {
                 let cell = Vec2::new((i % grid) as f32, (i / grid) as f32);
-                let (p, face) = light.point((cell + 0.5) / grid as f32)?;
-                Some(material.emitted(&self.texture_point(instance, place.triangle, face, p)))
+                let (p, face) = light.point((cell + 0.5) / grid as f32);
+                material.emitted(&self.texture_point(instance, place.triangle, face, p))
             };
-            let sum: Rgb = (0..grid * grid).filter_map(emitted).sum();
-            *light.radiance_mut()? = sum / (grid * grid) as f32;
+            let sum: Rgb = (0..grid * grid).map(emitted).sum();
+            *light.radiance_mut() = sum / (grid * grid) as f32;
         }
-        (light.power() > 0.0).then_some(light)
+        (*light.radiance_mut() != Rgb::ZERO).then_some(light)
     }
 
     /// The light that a solid is.
-    fn solid_light(&self, place: Place, solid: Solid) -> Option<Light> {
+    fn solid_light(&self, place: Place, solid: Solid) -> Option<SurfaceLight> {
         let (instance, material) = self.emitter(place);
         let transform = &instance.world_from_object;
         let bounds = solid.bounds();
@@ -156,7 +156,7 @@ impl World {
         let radiance = material.emission;
         let error = self.accel.error(place.instance, bounds.max);
         Some(match (solid, transform.uniform_scale()) {
-            (Solid::Sphere { radius }, Some(scale)) => Light::Sphere(SphereLight {
+            (Solid::Sphere { radius }, Some(scale)) => SurfaceLight::Sphere(SphereLight {
                 center: transform.point(DVec3::ZERO),
                 radius: radius * scale,
                 radiance,
@@ -168,15 +168,15 @@ impl World {
                     transform.point(DVec3::ZERO),
                     edges.map(|edge| transform.vector(2.0 * edge)),
                 );
-                Light::Quad(QuadLight::new(quad, radiance, error))
+                SurfaceLight::Quad(QuadLight::new(quad, radiance, error))
             }
-            (Solid::Box { half }, _) => Light::Box(Box::new(BoxLight {
+            (Solid::Box { half }, _) => SurfaceLight::Box(Box::new(BoxLight {
                 center: transform.point(DVec3::ZERO),
                 axes: DVec3::AXES.map(|axis| transform.vector(half * axis)),
                 radiance,
                 error,
             })),
-            _ => Light::Round(Box::new(RoundLight {
+            _ => SurfaceLight::Round(Box::new(RoundLight {
                 solid,
                 world_from_object: *transform,
                 radiance,
@@ -190,12 +190,17 @@ impl World {
         &self,
         instance: u32,
         id: MeshId,
-        mut add: impl FnMut(Place, Light) -> u32,
+        mut add: impl FnMut(Place, SurfaceLight) -> u32,
     ) -> Surfaces {
+        let owner = &self.scene.instances[instance as usize];
+        let emits = |id: &MaterialId| self.scene.materials[id.0 as usize].emission != Rgb::ZERO;
+        if !owner.materials.iter().any(emits) {
+            return Surfaces::None;
+        }
         let mesh = &self.scene.meshes[id.0 as usize];
         let dropped = self.accel.dropped(id);
         let mut lights = vec![NO_LIGHT; mesh.triangles.len()];
-        let transform = &self.scene.instances[instance as usize].world_from_object;
+        let transform = &owner.world_from_object;
         for triangle in 0..mesh.triangles.len() as u32 {
             let place = Place { instance, triangle };
             let (_, material) = self.emitter(place);
@@ -222,13 +227,13 @@ impl World {
             });
             if let Some((next, quad, error)) = pair {
                 let light = QuadLight::new(quad, radiance, error);
-                let light = add(place, Light::Quad(light));
+                let light = add(place, SurfaceLight::Quad(light));
                 lights[triangle as usize] = light;
                 lights[next as usize] = light;
             } else {
                 let corners = [a, b, c].map(|p| transform.point(p));
                 let light = TriangleLight::new(corners, radiance, error);
-                lights[triangle as usize] = add(place, Light::Triangle(light));
+                lights[triangle as usize] = add(place, SurfaceLight::Triangle(light));
             }
         }
         if lights.iter().all(|&light| light == NO_LIGHT) {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use solidtrace::color::Rgb;
 use solidtrace::geometry::{Csg, Mesh, Operand, Shape, Solid};
-use solidtrace::light::{Light, LightSampler, PointLight};
+use solidtrace::light::{Light, LightSampler, PointLight, SurfaceLight};
 use solidtrace::math::Transform;
 use solidtrace::sampling::SamplerKind;
 use solidtrace::texture::{Pattern, Ramp, Texture};
@@ -16,8 +16,12 @@ use crate::support::{Build, diffuse, empty_scene};
 
 fn kinds(world: &World) -> (usize, usize) {
     let lights = world.lights().lights();
-    let quads = lights.iter().filter(|l| matches!(l, Light::Quad(_)));
-    let triangles = lights.iter().filter(|l| matches!(l, Light::Triangle(_)));
+    let quads = lights
+        .iter()
+        .filter(|l| matches!(l, Light::Surface(SurfaceLight::Quad(_))));
+    let triangles = lights
+        .iter()
+        .filter(|l| matches!(l, Light::Surface(SurfaceLight::Triangle(_))));
     assert_eq!(
         quads.clone().count() + triangles.clone().count(),
         lights.len()
