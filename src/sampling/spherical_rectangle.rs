@@ -38,17 +38,23 @@ impl SphericalRectangle {
         // The strip that ends at x and holds the share u of the solid angle. With b_i the sines of the elevations of
         // both y over the plane x = 0 and c that of x, it is asin(c b_1) - asin(c b_0); this is that solved for c.
         let angle = self.start + u2.x * self.solid_angle;
-        let [b0, b1] = y.map(|y| y / y.hypot(height));
-        let spread = (b1 - b0).powi(2) + 4.0 * b0 * b1 * (0.5 * angle).sin().powi(2);
-        let c = (angle.sin() / spread.sqrt()).clamp(-1.0, 1.0);
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        let [b0, b1] = y.map(|y| y / hypotenuse(y, height));
+        let spread = (b1 - b0) * (b1 - b0) + 4.0 * b0 * b1 * sin * sin;
+        let c = (2.0 * sin * cos / spread.sqrt()).clamp(-1.0, 1.0);
         let at_x = (c * height / (1.0 - c * c).sqrt()).clamp(x[0], x[1]);
         // Along the segment at x the solid angle is proportional to the sine of the elevation.
-        let distance = at_x.hypot(height);
-        let [s0, s1] = y.map(|y| y / y.hypot(distance));
+        let distance = hypotenuse(at_x, height);
+        let [s0, s1] = y.map(|y| y / hypotenuse(y, distance));
         let s = s0 + u2.y * (s1 - s0);
         let at_y = (s * distance / (1.0 - s * s).sqrt()).clamp(y[0], y[1]);
         DVec2::new((at_x - x[0]) / (x[1] - x[0]), (at_y - y[0]) / (y[1] - y[0]))
     }
+}
+
+/// Without the library's care for numbers whose squares overflow, which takes longer than all the rest.
+fn hypotenuse(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// The solid angle of the strip between 0 and `x`, negative where `x` is: a difference of two arcs' tangents, as the

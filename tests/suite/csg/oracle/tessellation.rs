@@ -63,6 +63,7 @@ fn unit_solid(solid: &Solid) -> (Solid, DVec3) {
             (unit, DVec3::splat(major))
         }
         Solid::Plane => (Solid::Plane, DVec3::ONE),
+        Solid::Rectangle { .. } | Solid::Disk { .. } => unreachable!("no operands"),
     }
 }
 
@@ -216,6 +217,7 @@ fn meshes(unit: &Solid) -> (Mesh, Mesh) {
         }
         Solid::Box { .. } => twice(cuboid(1.0)),
         Solid::Plane => twice(cuboid(0.0)),
+        Solid::Rectangle { .. } | Solid::Disk { .. } => unreachable!("no operands"),
         Solid::Cylinder { .. } => frustum(1.0, 1.0),
         Solid::Cone {
             from_radius,
