@@ -65,8 +65,8 @@ impl WhittedIntegrator {
         light + beta * self.background.unwrap_or(Rgb::ZERO)
     }
 
-    /// Direct light from every point light and sun, and from one point of one of the lights that are surfaces, but none from the environment; `reflected`
-    /// is what the surface reflects of light from a direction and a distance.
+    /// Direct light from every point light and sun, and from one point of one of the lights that are surfaces, but none
+    /// from the environment; `reflected` is what the surface reflects of light from a direction and a distance.
     fn direct(
         &self,
         world: &World,

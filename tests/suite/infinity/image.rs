@@ -12,7 +12,7 @@ use solidtrace::sampling::SamplerKind;
 use solidtrace::scene::IntegratorSettings;
 use solidtrace::texture::{Bitmap, Texture};
 
-use crate::lights::{BsdfOnly, assert_agreement, floor, mixed};
+use crate::lights::{OneWay, assert_agreement, floor, mixed};
 use crate::support::{Build, Shot, camera, diffuse, empty_scene, shoot, shoot_with};
 
 use super::{LightOnly, environment, irradiance, picture};
@@ -34,7 +34,7 @@ fn assert_irradiance(bitmap: &Bitmap, expected: f64, what: &str) {
         );
     }
     for (name, integrator, spp, tolerance) in [
-        ("surfaces", &BsdfOnly as &dyn Integrator, 1 << 16, 0.015),
+        ("surfaces", &OneWay::Bsdf as &dyn Integrator, 1 << 16, 0.015),
         ("both", path.as_ref(), 1 << 14, 0.005),
     ] {
         let found = irradiance(scene(), integrator, spp) / expected;

@@ -11,7 +11,7 @@ use solidtrace::sampling::SamplerKind;
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 
-use crate::lights::{BsdfOnly, assert_agreement, assert_irradiance, floor, mixed};
+use crate::lights::{OneWay, assert_agreement, assert_irradiance, floor, mixed};
 use crate::support::{Build, Shot, camera, diffuse, empty_scene, shoot, shoot_with};
 
 /// A sun of one colour `elevation` degrees above the horizon, `angle` degrees across.
@@ -157,7 +157,7 @@ fn aiming_at_a_wide_sun_agrees_with_paths_that_find_it_by_themselves() {
         sampler: SamplerKind::Sobol,
         seed: 1,
     };
-    let shown = shoot_with(&scene.world(), &BsdfOnly, shot)[0].x * std::f32::consts::PI;
+    let shown = shoot_with(&scene.world(), &OneWay::Bsdf, shot)[0].x * std::f32::consts::PI;
     assert!(
         (shown / (2.0 * 60_f32.to_radians().sin()) - 1.0).abs() < 0.01,
         "{shown}"
