@@ -4,6 +4,7 @@ mod around;
 mod discrete;
 mod mis;
 mod sampler;
+mod sobol;
 mod spherical_rectangle;
 mod spherical_triangle;
 mod warp;

@@ -1,6 +1,8 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
+use super::sobol;
+
 /// Where canonical samples come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplerKind {
@@ -32,19 +34,29 @@ impl Sampler {
 
     /// Four numbers in [0, 1), the same whenever they are asked for; each `set` has its own.
     pub fn set(&self, set: u32) -> [f32; 4] {
+        let [numbers] = self.sets(set);
+        numbers
+    }
+
+    /// Those of `N` sets, `first` and the ones after it, in less time than one after the other.
+    #[inline]
+    pub fn sets<const N: usize>(&self, first: u32) -> [[f32; 4]; N] {
+        let sets = std::array::from_fn(|i| first + i as u32);
         match self.kind {
             SamplerKind::Sobol => {
                 // Every set is the sequence's first four dimensions, whose projections are its best, in an order
                 // and a scramble of its own (Burley 2020, section 5); so is every 65,536 points.
-                let own = set ^ (self.index & 0xffff_0000);
-                let seed = self.pixel_seed ^ own.wrapping_mul(0x9e37_79b9);
-                sobol_burley::sample_4d(self.index & 0xffff, 0, seed)
+                let seeds = sets.map(|set| {
+                    let own = set ^ (self.index & 0xffff_0000);
+                    self.pixel_seed ^ own.wrapping_mul(0x9e37_79b9)
+                });
+                sobol::points(self.index & 0xffff, seeds)
             }
-            SamplerKind::Independent => {
+            SamplerKind::Independent => sets.map(|set| {
                 let state = mix(u64::from(self.index) << 32 | u64::from(set));
                 let mut rng = Pcg32::from_seed(seed_bytes(state, u64::from(self.pixel_seed)));
                 std::array::from_fn(|_| rng.random())
-            }
+            }),
         }
     }
 }

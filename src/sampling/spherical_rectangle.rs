@@ -16,6 +16,7 @@ pub struct SphericalRectangle {
 
 impl SphericalRectangle {
     /// The rectangle of the ranges `x` and `y`, seen from `height` above 0 over its plane.
+    #[inline(always)]
     pub fn new(x: [f64; 2], y: [f64; 2], height: f64) -> Self {
         let start = strip(x[0], y, height);
         Self {
@@ -33,16 +34,19 @@ impl SphericalRectangle {
     }
 
     /// A point of the rectangle, uniform in solid angle, as shares of its ranges.
+    #[inline(always)]
     pub fn sample(&self, u2: DVec2) -> DVec2 {
         let Self { x, y, height, .. } = *self;
         // The strip that ends at x and holds the share u of the solid angle. With b_i the sines of the elevations of
-        // both y over the plane x = 0 and c that of x, it is asin(c b_1) - asin(c b_0); this is that solved for c.
+        // both y over the plane x = 0 and c that of x, it is asin(c b_1) - asin(c b_0). Solved for c, that is the sine of
+        // the angle over the root of `spread`; x over the height is the tangent of c's elevation.
         let angle = self.start + u2.x * self.solid_angle;
         let (sin, cos) = (0.5 * angle).sin_cos();
         let [b0, b1] = y.map(|y| y / hypotenuse(y, height));
         let spread = (b1 - b0) * (b1 - b0) + 4.0 * b0 * b1 * sin * sin;
-        let c = (2.0 * sin * cos / spread.sqrt()).clamp(-1.0, 1.0);
-        let at_x = (c * height / (1.0 - c * c).sqrt()).clamp(x[0], x[1]);
+        let sine = 2.0 * sin * cos;
+        let rest = (spread - sine * sine).max(0.0);
+        let at_x = (sine * height / rest.sqrt()).clamp(x[0], x[1]);
         // Along the segment at x the solid angle is proportional to the sine of the elevation.
         let distance = hypotenuse(at_x, height);
         let [s0, s1] = y.map(|y| y / hypotenuse(y, distance));
