@@ -180,7 +180,7 @@ pub fn render(
                     stopped.store(true, Ordering::Relaxed);
                     return;
                 }
-                let pixels: Vec<(u32, u32)> = rect.pixels().filter(needs).collect();
+                let pixels: Vec<(u32, u32)> = rect.blocks().filter(needs).collect();
                 let tile = render_tile(world, lens, integrator, settings, rect, &pixels, &pass);
                 let count = pixels.len() as u64;
                 observer.advance(count * u64::from(pass.end - pass.start), tile.rays);

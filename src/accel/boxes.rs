@@ -7,7 +7,7 @@ use crate::math::{Bounds, Ray};
 
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
-use super::wide::{Kernel, Root, Task, Walk, WideTree};
+use super::wide::{Descent, Kernel, Root, Task, Walk, WideTree, stack};
 
 /// A wide tree over boxes in f64, one a leaf.
 #[derive(Debug)]
@@ -20,11 +20,15 @@ pub(super) struct BoxTree {
 }
 
 impl BoxTree {
-    /// Builds over `bounds`, at least one, all finite. Returns the order of the leaves as well: leaf to index in
-    /// `bounds`.
-    pub(super) fn build(bounds: &[Bounds], options: AccelOptions) -> (Self, Vec<u32>) {
+    /// Builds over `bounds`, at least one, all finite, as seen from `center` or their middle. Returns the order of the
+    /// leaves as well: leaf to index in `bounds`.
+    pub(super) fn build(
+        bounds: &[Bounds],
+        center: Option<DVec3>,
+        options: AccelOptions,
+    ) -> (Self, Vec<u32>) {
         let whole = bounds.iter().copied().fold(Bounds::EMPTY, Bounds::union);
-        let center = whole.center();
+        let center = center.unwrap_or_else(|| whole.center());
         let boxes: Vec<Aabb> = bounds
             .iter()
             .map(|b| {
@@ -128,9 +132,12 @@ impl<F: FnMut(u32) -> ControlFlow<(), f64>> Task for Leaves<'_, F> {
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
         let local = self.boxes.local_ray(self.ray);
-        let (start, end) = (local.box_start(self.ray.tmin), local.box_limit(self.tmax));
-        walk.traverse(kernel, &local, start, end, |leaf| {
-            (self.visit)(leaf).map_continue(|tmax| local.box_limit(tmax))
-        })
+        let (start, mut end) = (local.box_start(self.ray.tmin), local.box_limit(self.tmax));
+        let mut stack = stack();
+        let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
+        while let Some(leaf) = descent.next(end) {
+            end = local.box_limit((self.visit)(leaf)?);
+        }
+        ControlFlow::Continue(())
     }
 }

@@ -1,8 +1,6 @@
 mod choice;
 mod tasks;
 
-use std::ops::ControlFlow;
-
 use glam::{DVec2, DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
@@ -15,7 +13,9 @@ use crate::memory::Pages;
 use super::options::AccelOptions;
 use super::ray::{TreeRay, fits_kernels};
 use super::triangle::{Triangle, TriangleHit};
-use super::wide::{Block, GROUP, Kernel, LANES, Packet, Root, Seat, Task, Walk, WideTree};
+use super::wide::{
+    Block, Descent, GROUP, Kernel, LANES, Packet, Root, Seat, Task, Walk, WideTree, stack,
+};
 use choice::{cornered, distinct};
 use tasks::{Any, Closest, Visit};
 
@@ -223,16 +223,17 @@ impl MeshTree {
             limit: local.box_limit(tmax),
         };
         let mut limit = tmax;
-        let _ = walk.traverse(kernel, &local, start, at.limit, |leaf| {
+        let mut stack = stack();
+        let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
+        while let Some(leaf) = descent.next(at.limit) {
             self.visit(kernel, &at, leaf, |hit, primitive| {
                 limit = offer(hit, primitive);
             });
             if limit == ENOUGH {
-                return ControlFlow::Break(());
+                return;
             }
             at.limit = local.box_limit(limit);
-            ControlFlow::Continue(at.limit)
-        });
+        }
     }
 
     /// As [`MeshTree::visit`] for the rays of a packet in `mask`; `offer` gets their numbers.
@@ -251,7 +252,7 @@ impl MeshTree {
         while seen != 0 {
             let lane = seen.trailing_zeros() as usize & (LANES - 1);
             seen &= seen - 1;
-            let mut inside = mask & kernel.within(&packet.points, &windows[lane]);
+            let mut inside = mask & kernel.within(&packet.points, &windows.at(lane));
             let corners = block.corners_along(lane, packet.axes);
             while inside != 0 {
                 let first = inside.trailing_zeros() as usize / GROUP * GROUP;

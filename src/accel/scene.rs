@@ -50,13 +50,24 @@ pub struct Accel {
     meshes: Vec<Arc<MeshTree>>,
     csgs: Vec<CsgTree>,
     placed: Vec<Placed>,
-    /// Whether each one's transform changes anything.
-    moved: Vec<bool>,
+    /// How each one's space and rays are to those of the world.
+    spaces: Vec<Space>,
     /// Over the shapes with bounds, `order` mapping its leaf positions to them; `None` where there are none.
     tree: Option<(BoxTree, Vec<u32>)>,
     /// Those that every ray is tested with: planes, CSG objects that half-spaces leave open, and all of few shapes.
     always: Vec<u32>,
     bounds: Bounds,
+}
+
+/// How a placed shape's space is to the world's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Space {
+    /// It is another one.
+    Own,
+    /// It is the same.
+    World,
+    /// It is the same, and rays made ready for the tree of all are so for the mesh's.
+    Shared,
 }
 
 impl Accel {
@@ -96,18 +107,33 @@ impl Accel {
             always.append(&mut bounded);
             always.sort_unstable();
         }
+        let bounds = (boxes.iter().copied()).fold(Bounds::EMPTY, Bounds::union);
+        let least = 0.5 * bounds.size().max_element() / COARSER;
+        let unmoved = |p: &Placed| match p.shape {
+            _ if !p.world_from_object.is_identity() => None,
+            Shape::Mesh(id) => {
+                let mesh = &meshes[id.0 as usize];
+                (f64::from(mesh.extent) >= least).then_some(mesh)
+            }
+            _ => None,
+        };
+        let largest = (placed.iter().filter_map(unmoved)).max_by_key(|m| m.report.triangles);
+        let center = largest.map(|mesh| mesh.center);
         let tree = (!bounded.is_empty()).then(|| {
-            let (tree, order) = BoxTree::build(&boxes, options);
+            let (tree, order) = BoxTree::build(&boxes, center, options);
             let order = order.into_iter().map(|i| bounded[i as usize]).collect();
             (tree, order)
         });
+        let space = |p: &Placed| match unmoved(p) {
+            _ if !p.world_from_object.is_identity() => Space::Own,
+            Some(mesh) if Some(mesh.center) == center => Space::Shared,
+            _ => Space::World,
+        };
         Ok(Self {
-            bounds: boxes.into_iter().fold(Bounds::EMPTY, Bounds::union),
+            bounds,
+            spaces: placed.iter().map(space).collect(),
             meshes,
             csgs,
-            moved: (placed.iter())
-                .map(|p| !p.world_from_object.is_identity())
-                .collect(),
             placed,
             tree,
             always,
@@ -232,9 +258,16 @@ impl Accel {
     #[inline]
     fn moved_ray(&self, instance: u32, ray: &Ray) -> Option<Ray> {
         let placed = &self.placed[instance as usize];
-        self.moved[instance as usize].then(|| placed.world_from_object.inverse_ray(ray))
+        (self.is_moved(instance)).then(|| placed.world_from_object.inverse_ray(ray))
     }
 
+    /// Whether the transform of `instance` changes anything.
+    #[inline]
+    fn is_moved(&self, instance: u32) -> bool {
+        self.spaces[instance as usize] == Space::Own
+    }
+
+    #[inline(always)]
     fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {
         let placed = &self.placed[instance as usize];
         let moved = self.moved_ray(instance, ray);
@@ -273,6 +306,7 @@ impl Accel {
         }
     }
 
+    #[inline(always)]
     fn occludes(&self, instance: u32, ray: &Ray) -> bool {
         let placed = &self.placed[instance as usize];
         let moved = self.moved_ray(instance, ray);
@@ -314,6 +348,10 @@ impl Placed {
         }
     }
 }
+
+/// A mesh shares rays with the tree of all where that is at most so many times as large: they are made ready for the
+/// rounding that the larger one brings.
+const COARSER: f64 = 16.0;
 
 /// So many shapes need no tree of boxes.
 const FEW: usize = 4;

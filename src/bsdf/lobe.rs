@@ -30,6 +30,7 @@ pub(super) enum Lobe {
 
 impl Lobe {
     /// See [`super::Bsdf::new`].
+    #[inline(always)]
     pub(super) fn new(surface: &Surface, point: &TexturePoint, side: f32, eta: f32) -> Self {
         match surface {
             Surface::Diffuse { color } => Self::Diffuse(Diffuse {
@@ -76,6 +77,7 @@ impl Lobe {
         }
     }
 
+    #[inline(always)]
     pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(lobe) => Some(lobe.sample(u2)),
@@ -89,6 +91,7 @@ impl Lobe {
     }
 
     /// `f |cos|` and density of all but delta lobes.
+    #[inline(always)]
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         match self {
             Self::Diffuse(lobe) => lobe.eval(wi),
@@ -126,6 +129,7 @@ impl Lobe {
     }
 
     /// Whether light goes through.
+    #[inline(always)]
     pub(super) fn transmits(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::Reflection(_) | Self::Plastic(_) => false,
@@ -136,6 +140,7 @@ impl Lobe {
     }
 
     /// Whether it looks different when the surface is turned.
+    #[inline(always)]
     pub(super) fn is_anisotropic(&self) -> bool {
         match self {
             Self::Reflection(lobe) => lobe.facets().is_some_and(|f| f.brush().is_some()),

@@ -80,6 +80,7 @@ impl Bsdf {
     /// the other (-1); `ns` lies on the side of `ng`, and anisotropic facets are stretched along `tangent`, which need
     /// be neither at right angles to `ns` nor of unit length. Where light goes through to other media `eta` is the index
     /// of refraction beyond the surface over that on this side.
+    #[inline(always)]
     pub fn new(
         surface: &Surface,
         point: &TexturePoint,
@@ -116,6 +117,7 @@ impl Bsdf {
 
     /// `f |cos|` for light from `wi` to `wo` and the density with which [`Self::sample`] draws `wi`. Delta lobes have
     /// no part in either.
+    #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let (frame, out) = self.facing(wo);
         let reflected = self.side * wi.dot(self.ng) > 0.0;
@@ -138,6 +140,7 @@ impl Bsdf {
     }
 
     /// Draws a direction; `None` where all light is absorbed. `u` picks a lobe, `u2` a direction in it.
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
         let (frame, out) = self.facing(wo);
         let drawn = self.lobe.sample(out, u, u2)?;
@@ -160,6 +163,7 @@ impl Bsdf {
     }
 
     /// The frame for light towards `wo`, and `wo` in it, above the surface.
+    #[inline(always)]
     fn facing(&self, wo: Vec3) -> (Frame, Vec3) {
         let out = self.side * self.frame.to_local(wo);
         if out.z >= FLATTEST {

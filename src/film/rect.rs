@@ -48,9 +48,13 @@ impl Rect {
         (self.y..self.y + self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
     }
 
-    /// The same in squares of eight by eight, so that rays through pixels that follow each other go together.
+    /// The same in squares of eight by eight, and in these along a Z, so that rays through pixels that follow each other
+    /// go together, however many: 8 are four by two, 16 four by four.
     pub fn blocks(self) -> impl Iterator<Item = (u32, u32)> + Clone {
-        self.tiles(8).flat_map(Self::pixels)
+        let fours = self.tiles(8).flat_map(|square| square.tiles(4));
+        fours
+            .flat_map(|square| square.tiles(2))
+            .flat_map(Self::pixels)
     }
 
     /// Whether all of `other` lies inside.

@@ -2,6 +2,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::error::{Error, Result};
 use crate::math::Bounds;
+use crate::memory::fetch;
 
 /// Triangles over shared vertices, in the file's order: a triangle's index here is its index in its file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,6 +61,25 @@ impl Mesh {
     /// The corners of triangle `i`.
     pub fn corners(&self, i: u32) -> [Vec3; 3] {
         self.triangles[i as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Asks memory for what shading reads of triangle `i`: its indices, and with `deep` what they point to, once they
+    /// have come.
+    pub(crate) fn fetch(&self, i: u32, deep: bool) {
+        let triangle = &self.triangles[i as usize];
+        if !deep {
+            fetch(triangle);
+            return;
+        }
+        for vertex in triangle.map(|v| v as usize) {
+            fetch(&raw const self.positions[vertex]);
+            if let Some(normal) = self.normals.get(vertex) {
+                fetch(normal);
+            }
+            if let Some(uv) = self.uvs.get(vertex) {
+                fetch(uv);
+            }
+        }
     }
 
     /// The surface coordinates at the corners of triangle `i`; those of a mesh without are the barycentric ones.

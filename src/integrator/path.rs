@@ -58,6 +58,11 @@ pub enum Strategy {
 /// Where even an unlimited path ends: between white walls or mirrors without a way out it never would.
 const LONGEST: u32 = 1 << 16;
 
+/// Paths whose throughput is below the inverse of this are ended in proportion. Of thresholds and first depths tried,
+/// this one and the second scattering gave a diffuse box the least variance times rays: a tenth less than 1 and the
+/// fourth.
+const CAREFUL: f32 = 2.0;
+
 /// What the integrators of this file have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tracer {
@@ -184,6 +189,7 @@ impl Tracer {
             world.intersect_batch(&rays, &mut hits[..rays.len()]);
             let mut alive = 0;
             for i in 0..rays.len() {
+                world.fetch_ahead(&hits[i..rays.len()]);
                 let index = paths[i].index;
                 let distance = hits[i].map_or(f64::INFINITY, |hit| hit.t);
                 let left = paths[i].media.transmittance(distance);
@@ -201,16 +207,15 @@ impl Tracer {
                 }
                 let wo = -rays[i].direction.as_vec3();
                 let bsdf = world.bsdf(&point, &paths[i].media);
-                let [u, v, pick, _] = paths[i].sampler.set(2 * depth + 2);
+                let [onward, aim] = paths[i].sampler.sets(2 * depth + 1);
                 if bsdf.is_smooth()
-                    && let Some((ray, light)) =
-                        direct(world, &paths[i], &point, &bsdf, wo, pick, Vec2::new(u, v))
+                    && let Some((ray, light)) = direct(world, &paths[i], &point, &bsdf, wo, aim)
                 {
                     let light = paths[i].beta * light;
                     shadows.push(Shadowed { index, light });
                     shadow_rays.push(ray);
                 }
-                if let Some(ray) = self.scatter(&mut paths[i], &point, &bsdf, wo, depth) {
+                if let Some(ray) = self.scatter(&mut paths[i], &point, &bsdf, wo, onward, depth) {
                     let wi = ray.direction.as_vec3();
                     paths[i].media.follow(&point, world.material(&point), wi);
                     paths.swap(alive, i);
@@ -265,10 +270,9 @@ fn direct(
     point: &SurfacePoint,
     bsdf: &Bsdf,
     wo: Vec3,
-    pick: f32,
-    u2: Vec2,
+    [u, v, pick, _]: [f32; 4],
 ) -> Option<(Ray, Rgb)> {
-    let sample = world.sample_light(point.p, pick, u2)?;
+    let sample = world.sample_light(point.p, pick, Vec2::new(u, v))?;
     let (wi, distance) = sample.source.seen_from(point.p)?;
     let (f_cos, pdf) = bsdf.eval(wo, wi);
     if f_cos == Rgb::ZERO {
@@ -288,14 +292,14 @@ impl Tracer {
         point: &SurfacePoint,
         bsdf: &Bsdf,
         wo: Vec3,
+        [u, v, pick, survive]: [f32; 4],
         depth: u32,
     ) -> Option<Ray> {
-        let [u, v, pick, survive] = path.sampler.set(2 * depth + 1);
         let sample = bsdf.sample(wo, pick, Vec2::new(u, v))?;
         path.beta *= sample.weight;
         path.eta2 *= sample.eta2;
-        if self.russian_roulette && depth >= 3 {
-            let chance = (path.beta * path.eta2).max_element().min(1.0);
+        if self.russian_roulette && depth > 0 {
+            let chance = (CAREFUL * (path.beta * path.eta2).max_element()).min(1.0);
             if survive >= chance {
                 return None;
             }

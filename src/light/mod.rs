@@ -61,6 +61,7 @@ pub enum Source {
 
 impl Source {
     /// Unit direction and distance from `p`; `None` where the light is right there.
+    #[inline(always)]
     pub fn seen_from(self, p: DVec3) -> Option<(Vec3, f64)> {
         match self {
             Self::Point(q) => Some(((q - p).as_vec3().try_normalize()?, q.distance(p))),
@@ -92,6 +93,7 @@ impl LightSample {
 
 impl Light {
     /// Draws a point of the light as seen from `from`; `None` where it sheds no light there.
+    #[inline(always)]
     pub fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
         match self {
             Self::Point(point) => point.sample(from),

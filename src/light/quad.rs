@@ -26,6 +26,7 @@ impl QuadLight {
     }
 
     /// Uniform in solid angle, of a rectangle from nearby; else in area.
+    #[inline(always)]
     pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<SurfaceSample> {
         let view = self.quad.view(from, self.error)?;
         let (p, pdf) = view.sample(u2.as_dvec2());
@@ -55,6 +56,7 @@ impl QuadLight {
 pub struct Quad {
     middle: DVec3,
     edges: [DVec3; 2],
+    lengths: [f64; 2],
     flat: Flat,
 }
 
@@ -65,6 +67,7 @@ impl Quad {
         let quad = Self {
             middle,
             edges,
+            lengths: edges.map(DVec3::length),
             flat,
         };
         if quad.is_rectangle() {
@@ -92,7 +95,7 @@ impl Quad {
     }
 
     /// What is seen of it; `None` from less than `error` off its plane, where that is nothing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn view(&self, from: DVec3, error: f64) -> Option<View<'_>> {
         let to = self.middle - from;
         let n = self.flat.normal_towards(to, error)?;
@@ -106,11 +109,12 @@ impl Quad {
     }
 
     /// What directions are drawn from, the middle being seen at `to`.
+    #[inline(always)]
     fn seen(&self, to: DVec3, n: DVec3) -> Option<SphericalRectangle> {
-        let [x, y] = self.edges.map(|edge| {
-            let length = edge.length();
-            let middle = to.dot(edge) / length;
-            [middle - 0.5 * length, middle + 0.5 * length]
+        let [x, y] = [0, 1].map(|i| {
+            let half = 0.5 * self.lengths[i];
+            let middle = to.dot(self.edges[i]) / self.lengths[i];
+            [middle - half, middle + half]
         });
         let seen = SphericalRectangle::new(x, y, -n.dot(to));
         (seen.solid_angle() > SMALL).then_some(seen)
@@ -129,7 +133,7 @@ pub(super) struct View<'a> {
 
 impl View<'_> {
     /// A point and its density per solid angle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, u2: DVec2) -> (DVec3, f64) {
         let shares = self.seen.map_or(u2, |seen| seen.sample(u2));
         let p = self.quad.point(shares);

@@ -47,6 +47,7 @@ impl LightSampler {
     }
 
     /// The index of one light and a point of it as seen from `from`, its density and weight with the choice included.
+    #[inline(always)]
     pub fn sample(&self, from: DVec3, u: f32, u2: Vec2) -> Option<(u32, LightSample)> {
         let (index, probability) = self.choice.sample(u)?;
         let sample = self.lights[index].sample(from, u2)?;

@@ -30,6 +30,7 @@ pub(super) struct SurfaceSample {
 }
 
 impl SurfaceLight {
+    #[inline(always)]
     pub(super) fn sample(&self, from: DVec3, u2: Vec2) -> Option<LightSample> {
         let (sample, li) = match self {
             Self::Sphere(sphere) => (sphere.sample(from, u2)?, sphere.radiance),

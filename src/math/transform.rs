@@ -7,6 +7,8 @@ use super::{Bounds, Ray};
 pub struct Transform {
     forward: DAffine3,
     inverse: DAffine3,
+    /// Whether it shifts and does nothing else, which is less work, with the same bits.
+    shift: bool,
 }
 
 impl Transform {
@@ -14,6 +16,7 @@ impl Transform {
     pub const IDENTITY: Self = Self {
         forward: DAffine3::IDENTITY,
         inverse: DAffine3::IDENTITY,
+        shift: true,
     };
 
     /// The map `matrix`, or `None` where it is not finite or flattens space.
@@ -27,33 +30,31 @@ impl Transform {
             * matrix.matrix3.z_axis.length();
         // Columns that are dependent to within rounding have no usable inverse.
         let flat = matrix.matrix3.determinant().abs() <= 1e-14 * scale;
-        (inverse.is_finite() && !flat).then_some(Self {
-            forward: matrix,
-            inverse,
-        })
+        (inverse.is_finite() && !flat).then(|| Self::of_parts(matrix, inverse))
     }
 
     /// Rotation by the orthonormal `axes` (columns), then translation to `origin`.
     pub fn rigid(axes: DMat3, origin: DVec3) -> Self {
         let back = axes.transpose();
-        Self {
-            forward: DAffine3::from_mat3_translation(axes, origin),
-            inverse: DAffine3::from_mat3_translation(back, -(back * origin)),
-        }
+        Self::of_parts(
+            DAffine3::from_mat3_translation(axes, origin),
+            DAffine3::from_mat3_translation(back, -(back * origin)),
+        )
     }
 
     /// From a map and its inverse, which the caller vouches for.
     pub(crate) fn of_parts(forward: DAffine3, inverse: DAffine3) -> Self {
-        Self { forward, inverse }
+        Self {
+            forward,
+            inverse,
+            shift: [forward, inverse].map(|map| map.matrix3) == [DMat3::IDENTITY; 2],
+        }
     }
 
     /// First `other`, then this.
     #[must_use]
     pub fn after(&self, other: &Self) -> Self {
-        Self {
-            forward: self.forward * other.forward,
-            inverse: other.inverse * self.inverse,
-        }
+        Self::of_parts(self.forward * other.forward, other.inverse * self.inverse)
     }
 
     /// The map back.
@@ -62,6 +63,7 @@ impl Transform {
         Self {
             forward: self.inverse,
             inverse: self.forward,
+            shift: self.shift,
         }
     }
 
@@ -87,31 +89,52 @@ impl Transform {
 
     /// Maps a point.
     pub fn point(&self, p: DVec3) -> DVec3 {
-        self.forward.transform_point3(p)
+        if self.shift {
+            p + self.forward.translation
+        } else {
+            self.forward.transform_point3(p)
+        }
     }
 
     /// Maps a direction; its length changes with the map.
     pub fn vector(&self, v: DVec3) -> DVec3 {
-        self.forward.transform_vector3(v)
+        if self.shift {
+            v
+        } else {
+            self.forward.transform_vector3(v)
+        }
     }
 
     /// Maps a point back.
     pub fn inverse_point(&self, p: DVec3) -> DVec3 {
-        self.inverse.transform_point3(p)
+        if self.shift {
+            p + self.inverse.translation
+        } else {
+            self.inverse.transform_point3(p)
+        }
     }
 
     /// Maps a ray back; `t` means the same on both sides.
+    #[inline(always)]
     pub fn inverse_ray(&self, ray: &Ray) -> Ray {
         Ray {
-            origin: self.inverse.transform_point3(ray.origin),
-            direction: self.inverse.transform_vector3(ray.direction),
+            origin: self.inverse_point(ray.origin),
+            direction: if self.shift {
+                ray.direction
+            } else {
+                self.inverse.transform_vector3(ray.direction)
+            },
             ..*ray
         }
     }
 
     /// Maps the gradient of a function of space to that of the function moved along.
     pub fn gradient(&self, g: DVec3) -> DVec3 {
-        self.inverse.matrix3.transpose() * g
+        if self.shift {
+            g
+        } else {
+            self.inverse.matrix3.transpose() * g
+        }
     }
 
     /// Maps a surface normal, as a gradient; unit length out, same side of the surface.

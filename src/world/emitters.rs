@@ -56,6 +56,7 @@ const NO_LIGHT: u32 = u32::MAX;
 
 impl World {
     /// Draws a point of one of the lights as seen from `from`; see [`LightSampler::sample`].
+    #[inline(always)]
     pub fn sample_light(&self, from: DVec3, u: f32, u2: Vec2) -> Option<LightSample> {
         let (light, mut sample) = self.lights.sample(from, u, u2)?;
         if let Some(i) = (light as usize).checked_sub(self.emitters.first)

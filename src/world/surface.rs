@@ -37,7 +37,20 @@ pub struct SurfacePoint {
 }
 
 impl World {
+    /// Asks memory for what [`Self::surface`] reads of `hits` that come soon, while the first one is worked on.
+    #[inline]
+    pub fn fetch_ahead(&self, hits: &[Option<Hit>]) {
+        for (ahead, deep) in [(8, false), (4, true)] {
+            if let Some(Some(hit)) = hits.get(ahead)
+                && let Shape::Mesh(id) = self.instance(hit).shape
+            {
+                self.scene.meshes[id.0 as usize].fetch(hit.primitive, deep);
+            }
+        }
+    }
+
     /// The surface where `ray` was hit.
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let instance = self.instance(hit);
         let transform = &instance.world_from_object;
@@ -100,6 +113,7 @@ impl World {
         at.texture_point()
     }
 
+    #[inline(always)]
     fn on_mesh(&self, id: MeshId, triangle: u32, weights: Vec2, smooth: bool) -> LocalPoint {
         let mesh = &self.scene.meshes[id.0 as usize];
         let corner = mesh.triangles[triangle as usize];
@@ -198,6 +212,7 @@ fn above_horizon(n: Vec3, ng: Vec3) -> Vec3 {
 }
 
 /// The surface near `p`.
+#[inline(always)]
 fn on_solid(solid: Solid, p: DVec3, face: u32) -> LocalPoint {
     let p = solid.project(p, face);
     LocalPoint {

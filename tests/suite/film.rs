@@ -175,15 +175,17 @@ fn tiles_cover_every_pixel_once() {
 }
 
 #[test]
-fn each_64_pixels_of_a_picture_are_a_square_of_8_by_8() {
+fn pixels_that_follow_each_other_in_blocks_are_rectangles() {
     let blocks: Vec<(u32, u32)> = Rect::of_size((40, 24)).blocks().collect();
-    for block in blocks.chunks(64) {
-        let (x, y) = block[0];
-        assert!((x | y).is_multiple_of(8));
-        assert!(
-            block.iter().all(|p| p.0 - x < 8 && p.1 - y < 8),
-            "{block:?}"
-        );
+    for (width, height) in [(2, 2), (4, 2), (4, 4), (8, 8)] {
+        for block in blocks.chunks((width * height) as usize) {
+            let (x, y) = block[0];
+            assert!(x.is_multiple_of(width) && y.is_multiple_of(height));
+            assert!(
+                block.iter().all(|p| p.0 - x < width && p.1 - y < height),
+                "{block:?}"
+            );
+        }
     }
 }
 

@@ -127,7 +127,7 @@ impl CsgTree {
         let (tree, order) = if boxes.is_empty() {
             (None, Vec::new())
         } else {
-            let (tree, order) = BoxTree::build(&boxes, options);
+            let (tree, order) = BoxTree::build(&boxes, None, options);
             (Some(tree), order)
         };
         let in_order = order.iter().map(|&i| bounded[i as usize]);

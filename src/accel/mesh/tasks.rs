@@ -1,10 +1,8 @@
 //! Queries of one ray, compiled for every kernel.
 
-use std::ops::ControlFlow;
-
 use crate::accel::ray::TreeRay;
 use crate::accel::triangle::TriangleHit;
-use crate::accel::wide::{Kernel, Task, Walk};
+use crate::accel::wide::{Descent, Kernel, Task, Walk, stack};
 use crate::math::Ray;
 
 use super::{ENOUGH, MeshTree};
@@ -72,9 +70,10 @@ impl<F: FnMut(u32)> Task for Visit<'_, F> {
 
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) {
-        let _ = walk.traverse(kernel, self.local, self.start, self.end, |leaf| {
+        let mut stack = stack();
+        let mut descent = Descent::new(kernel, walk, self.local, self.start, &mut stack);
+        while let Some(leaf) = descent.next(self.end) {
             (self.at_leaf)(leaf);
-            ControlFlow::Continue(self.end)
-        });
+        }
     }
 }

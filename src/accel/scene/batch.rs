@@ -5,7 +5,7 @@ use crate::accel::wide::{
 use crate::geometry::Shape;
 use crate::math::Ray;
 
-use super::{Accel, Hit};
+use super::{Accel, Hit, Space};
 
 impl Accel {
     /// The closest hit of each ray, as [`Accel::intersect`] finds it, into `hits` of the same length.
@@ -160,6 +160,7 @@ impl<A: Answers> Task for Stream<'_, '_, A> {
             limit: 0.0,
             mesh: self.mesh,
             moved: None,
+            shared: false,
         };
         let mut flights = Flights {
             end: self.rays.len(),
@@ -195,6 +196,8 @@ struct Flight<'a> {
     mesh: Option<(&'a MeshTree, u32)>,
     /// Itself in that one's space, where that is another one.
     moved: Option<Ray>,
+    /// Whether it was made ready for the tree of all and the mesh alike.
+    shared: bool,
 }
 
 impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
@@ -273,6 +276,11 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
             let (_, order) = accel.tree.as_ref().expect("it is in it");
             let instance = order[leaf as usize];
             if let Some(mesh) = accel.mesh_of(instance) {
+                flight.shared = accel.spaces[instance as usize] == Space::Shared;
+                if flight.shared {
+                    (flight.mesh, flight.moved) = (Some((mesh, instance)), None);
+                    return Next::Into(mesh.root());
+                }
                 let moved = accel.moved_ray(instance, ray);
                 let local = moved.as_ref().unwrap_or(ray);
                 if mesh.fits_kernels(local) {
@@ -293,9 +301,14 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
     }
 
     #[inline(always)]
-    fn rise(&mut self, slot: usize) -> Entrant<'a, N> {
+    fn rise(&mut self, slot: usize, entrant: &mut Entrant<'a, N>) {
         let flight = &mut self.slots[slot];
         flight.mesh = None;
-        Entrant::new(&self.stream.rays[flight.index], flight.limit, self.root)
+        if flight.shared {
+            entrant.root = self.root;
+        } else {
+            let ray = &self.stream.rays[flight.index];
+            *entrant = Entrant::new(ray, flight.limit, self.root);
+        }
     }
 }

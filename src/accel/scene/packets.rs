@@ -5,6 +5,7 @@ use std::array::from_fn;
 use crate::accel::mesh::{ENOUGH, MeshTree};
 use crate::accel::wide::{Catch, Kernel, LEAF, PACKET, Packet, Root, Seat, walk_packet};
 use crate::math::Ray;
+use crate::memory::fetch;
 
 use super::batch::{Answers, Flights, Stream};
 use super::{Accel, Hit};
@@ -30,7 +31,7 @@ impl<A: Answers, const N: usize> Flights<'_, '_, A, N> {
         } = &mut self.stream;
         self.end = rays.len();
         let place = mesh
-            .filter(|(_, instance)| accel.moved[*instance as usize])
+            .filter(|(_, instance)| accel.is_moved(*instance))
             .map(|(_, instance)| &accel.placed[instance as usize].world_from_object);
         let mut fill = Fill::default();
         while let Some(some) = rays[self.next..].first_chunk() {
@@ -48,6 +49,9 @@ impl<A: Answers, const N: usize> Flights<'_, '_, A, N> {
                 }
                 return;
             };
+            for ray in rays[self.next + PACKET..].iter().take(PACKET) {
+                fetch(ray);
+            }
             let mut party = Party {
                 rays: local,
                 first: self.next,
@@ -228,7 +232,7 @@ impl<A: Answers> InScene<'_, '_, A> {
             return false;
         };
         let root: Root<'_, N> = mesh.root();
-        if !accel.moved[instance as usize] {
+        if !accel.is_moved(instance) {
             let seat = packet.seat(&root);
             if let Some(seat) = &seat {
                 party.walk::<K, N>(kernel, packet, seat, mask, mesh, instance);

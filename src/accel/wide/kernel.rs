@@ -1,5 +1,4 @@
 use std::mem::MaybeUninit;
-use std::ops::ControlFlow;
 
 use glam::DVec3;
 
@@ -18,7 +17,7 @@ pub(super) const MOST_WAITING: usize = 480;
 /// Entries of a stack: for two levels of trees, with what kernels write beyond the last.
 pub(super) const STACK: usize = 2 * MOST_WAITING + 64;
 
-pub(super) type Stack = [MaybeUninit<Waiting>; STACK];
+pub(in crate::accel) type Stack = [MaybeUninit<Waiting>; STACK];
 
 /// A subtree that waits: in the upper half the bits of where the ray enters it, of which kernels use the lowest
 /// ([`LOST`]) for an order of their own; in the lower half the link.
@@ -141,41 +140,71 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;
 }
 
-/// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets a
-/// leaf's index and answers with the new limit, or breaks.
-#[inline(always)]
-pub(super) fn traverse<K: Kernel<N>, const N: usize>(
+/// The way of a ray through a tree. It is no function that calls another at each leaf: such a call may not be inlined,
+/// and then its kernel's instructions are calls, too.
+pub(in crate::accel) struct Descent<'a, K: Kernel<N>, const N: usize> {
     kernel: K,
-    walk: Walk<'_, N>,
-    ray: &TreeRay,
-    start: f32,
-    mut limit: f32,
-    mut visit: impl FnMut(u32) -> ControlFlow<(), f32>,
-) -> ControlFlow<()> {
-    let boxes = kernel.boxes(ray, start);
-    let mut stack: Stack = [MaybeUninit::uninit(); STACK];
-    let mut len = 0;
-    let mut link = walk.root;
-    loop {
-        while link & LEAF == 0 {
-            // SAFETY: links of a tree lead to its nodes.
-            let node = unsafe { walk.nodes.get_unchecked(link as usize) };
-            link = kernel.enter(node, &boxes, limit, &mut stack, &mut len);
+    walk: Walk<'a, N>,
+    boxes: K::Boxes,
+    stack: &'a mut Stack,
+    /// Entries on the stack.
+    len: usize,
+    link: u32,
+}
+
+/// Room for what waits on a [`Descent`].
+#[inline(always)]
+pub(in crate::accel) fn stack() -> Stack {
+    [MaybeUninit::uninit(); STACK]
+}
+
+impl<'a, K: Kernel<N>, const N: usize> Descent<'a, K, N> {
+    /// For boxes behind `start`, at least 0.
+    #[inline(always)]
+    pub(in crate::accel) fn new(
+        kernel: K,
+        walk: Walk<'a, N>,
+        ray: &TreeRay,
+        start: f32,
+        stack: &'a mut Stack,
+    ) -> Self {
+        Self {
+            kernel,
+            walk,
+            boxes: kernel.boxes(ray, start),
+            stack,
+            len: 0,
+            link: walk.root,
         }
-        if link != NONE {
-            limit = visit(link & !LEAF)?;
+    }
+
+    /// The next leaf whose box the ray meets before `limit`, nearest first as far as boxes tell. Limits never grow.
+    #[inline(always)]
+    pub(in crate::accel) fn next(&mut self, limit: f32) -> Option<u32> {
+        loop {
+            while self.link & LEAF == 0 {
+                // SAFETY: links of a tree lead to its nodes.
+                let node = unsafe { self.walk.nodes.get_unchecked(self.link as usize) };
+                self.link =
+                    (self.kernel).enter(node, &self.boxes, limit, self.stack, &mut self.len);
+            }
+            if self.link != NONE {
+                let leaf = self.link & !LEAF;
+                self.link = NONE;
+                return Some(leaf);
+            }
+            let bits = limit_bits(limit);
+            self.link = loop {
+                if self.len == 0 {
+                    return None;
+                }
+                self.len -= 1;
+                // SAFETY: `enter` wrote all entries below `len`, which never is above what the tree's depth allows.
+                let waiting = unsafe { self.stack.get_unchecked(self.len).assume_init() };
+                if is_near(waiting, bits) {
+                    break waiting as u32;
+                }
+            };
         }
-        let bits = limit_bits(limit);
-        link = loop {
-            if len == 0 {
-                return ControlFlow::Continue(());
-            }
-            len -= 1;
-            // SAFETY: `enter` wrote all entries below `len`, which never is above what the tree's depth allows.
-            let waiting = unsafe { stack.get_unchecked(len).assume_init() };
-            if is_near(waiting, bits) {
-                break waiting as u32;
-            }
-        };
     }
 }

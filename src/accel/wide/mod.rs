@@ -22,7 +22,6 @@ mod stream;
 
 use std::any::Any;
 use std::mem::MaybeUninit;
-use std::ops::ControlFlow;
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
@@ -31,7 +30,6 @@ use crate::memory::Pages;
 
 use super::build;
 use super::options::{AccelOptions, Kernel as Choice};
-use super::ray::TreeRay;
 #[cfg(target_arch = "x86_64")]
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
@@ -40,7 +38,7 @@ use node::Node;
 use portable::Portable;
 
 pub(super) use block::{Block, LANES};
-pub(super) use kernel::{Kernel, PREPARED, Waiting, is_near, limit_bits};
+pub(super) use kernel::{Descent, Kernel, PREPARED, Waiting, is_near, limit_bits, stack};
 pub(super) use node::LEAF;
 pub(super) use packet::{Catch, GROUP, PACKET, Packet, Seat, walk_packet};
 pub(super) use stream::{Entrant, Group, Next, RAYS, Root, Traffic, stream};
@@ -80,20 +78,6 @@ pub(super) struct Walk<'a, const N: usize> {
 }
 
 impl<const N: usize> Walk<'_, N> {
-    /// Visits the leaves whose boxes the ray meets from `start` on, nearest first as far as boxes tell. `visit` gets
-    /// a leaf's index and answers with the new limit, or breaks.
-    #[inline(always)]
-    pub(super) fn traverse<K: Kernel<N>>(
-        self,
-        kernel: K,
-        ray: &TreeRay,
-        start: f32,
-        limit: f32,
-        visit: impl FnMut(u32) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<()> {
-        kernel::traverse(kernel, self, ray, start, limit, visit)
-    }
-
     /// Only what is below `link`.
     #[inline(always)]
     pub(super) fn below(self, link: u32) -> Self {

@@ -50,6 +50,35 @@ pub(in crate::accel) struct Window {
     pub near: f32,
 }
 
+/// Windows side by side.
+#[derive(Clone, Copy)]
+pub(in crate::accel) struct Windows<const M: usize> {
+    x: [[f32; M]; 2],
+    y: [[f32; M]; 2],
+    near: [f32; M],
+}
+
+impl<const M: usize> Windows<M> {
+    const EMPTY: Self = {
+        let nothing = [[f32::INFINITY; M], [f32::NEG_INFINITY; M]];
+        Self {
+            x: nothing,
+            y: nothing,
+            near: [f32::INFINITY; M],
+        }
+    };
+
+    #[inline(always)]
+    pub(in crate::accel) fn at(&self, i: usize) -> Window {
+        let Self { x, y, near } = self;
+        Window {
+            x: [x[0][i], x[1][i]],
+            y: [y[0][i], y[1][i]],
+            near: near[i],
+        }
+    }
+}
+
 /// Rays with one origin, one main axis and directions that are alike.
 #[derive(Clone, Copy)]
 pub(in crate::accel) struct Packet {
@@ -98,7 +127,7 @@ impl Packet {
             components[0][i] = ray.direction.x;
             components[1][i] = ray.direction.y;
             components[2][i] = ray.direction.z;
-            alike &= (ray.origin == first.origin) & (ray.tmin == first.tmin);
+            alike &= ray.origin.cmpeq(first.origin).all() & (ray.tmin == first.tmin);
         }
         let (x, y, z) = (&components[x], &components[y], &components[z]);
         let sign = f64::from(along.signum());
@@ -178,38 +207,35 @@ impl Packet {
 
     /// The windows of a node's boxes, and a bit for each that the packet sees.
     #[inline(always)]
-    fn windows<const N: usize>(&self, seat: &Seat, node: &Node<N>) -> ([Window; N], u32) {
+    fn windows<const N: usize>(&self, seat: &Seat, node: &Node<N>) -> (Windows<N>, u32) {
         let [x, y, z] = self.axes.map(|axis| axis as usize);
         let Seat { origin, slack } = *seat;
         let (near, far) = if self.sign > 0.0 { (0, 1) } else { (1, 0) };
-        let near: [f32; N] = from_fn(|i| (node.planes[near][z][i] - origin[2]) * self.sign - slack);
-        let far: [f32; N] = from_fn(|i| (node.planes[far][z][i] - origin[2]) * self.sign + slack);
-        let by_near: [f32; N] = from_fn(|i| 1.0 / near[i].max(TINY));
-        let by_far: [f32; N] = from_fn(|i| 1.0 / far[i].max(TINY));
-        let range = |axis: usize, from: f32| -> ([f32; N], [f32; N]) {
-            let min = from_fn(|i| {
-                let min = node.planes[0][axis][i] - from - slack;
-                let min = min * if min >= 0.0 { by_far[i] } else { by_near[i] };
-                min - min.abs() * ROUNDING
-            });
-            let max = from_fn(|i| {
-                let max = node.planes[1][axis][i] - from + slack;
-                let max = max * if max >= 0.0 { by_near[i] } else { by_far[i] };
-                max + max.abs() * ROUNDING
-            });
-            (min, max)
-        };
-        let (xs, ys) = (range(x, origin[0]), range(y, origin[1]));
-        let seen: [u32; N] = from_fn(|i| {
-            let x = (xs.0[i] <= self.window.x[1]) & (self.window.x[0] <= xs.1[i]);
-            let y = (ys.0[i] <= self.window.y[1]) & (self.window.y[0] <= ys.1[i]);
-            u32::from(x & y & (far[i] >= 0.0)) << i
-        });
-        let windows = from_fn(|i| Window {
-            x: [xs.0[i], xs.1[i]],
-            y: [ys.0[i], ys.1[i]],
-            near: near[i],
-        });
+        let (near, far) = (&node.planes[near][z], &node.planes[far][z]);
+        let mut windows = Windows::EMPTY;
+        let mut seen = [0; N];
+        // Loops, and not functions of `i`, for these may not be inlined, and then lose the kernel's instructions.
+        for i in 0..N {
+            let near = (near[i] - origin[2]) * self.sign - slack;
+            let far = (far[i] - origin[2]) * self.sign + slack;
+            let (by_near, by_far) = (1.0 / near.max(TINY), 1.0 / far.max(TINY));
+            let least = |plane: f32, from: f32| {
+                let least = plane - from - slack;
+                let least = least * if least >= 0.0 { by_far } else { by_near };
+                least - least.abs() * ROUNDING
+            };
+            let greatest = |plane: f32, from: f32| {
+                let greatest = plane - from + slack;
+                let greatest = greatest * if greatest >= 0.0 { by_near } else { by_far };
+                greatest + greatest.abs() * ROUNDING
+            };
+            windows.x[0][i] = least(node.planes[0][x][i], origin[0]);
+            windows.x[1][i] = greatest(node.planes[1][x][i], origin[0]);
+            windows.y[0][i] = least(node.planes[0][y][i], origin[1]);
+            windows.y[1][i] = greatest(node.planes[1][y][i], origin[1]);
+            windows.near[i] = near;
+            seen[i] = u32::from(self.overlaps(&windows, i) & (far >= 0.0)) << i;
+        }
         (windows, seen.iter().fold(0, |all, bit| all | bit))
     }
 
@@ -219,13 +245,12 @@ impl Packet {
         &self,
         seat: &Seat,
         corners: &[[[f32; M]; 3]; 3],
-    ) -> ([Window; M], u32) {
+    ) -> (Windows<M>, u32) {
         let [x, y, z] = self.axes.map(|axis| axis as usize);
         let Seat { origin, slack } = *seat;
-        let mut near = [f32::INFINITY; M];
         let mut far = [f32::NEG_INFINITY; M];
-        let mut xs = ([f32::INFINITY; M], [f32::NEG_INFINITY; M]);
-        let mut ys = xs;
+        let mut windows = Windows::EMPTY;
+        let Windows { x: xs, y: ys, near } = &mut windows;
         for corner in corners {
             for i in 0..M {
                 let depth = (corner[z][i] - origin[2]) * self.sign;
@@ -240,34 +265,36 @@ impl Packet {
                     slack * by.abs() * (2.0 + 2.0 * px.abs()),
                     slack * by.abs() * (2.0 + 2.0 * py.abs()),
                 );
-                xs.0[i] = xs.0[i].min(px - wx);
-                xs.1[i] = xs.1[i].max(px + wx);
-                ys.0[i] = ys.0[i].min(py - wy);
-                ys.1[i] = ys.1[i].max(py + wy);
+                xs[0][i] = xs[0][i].min(px - wx);
+                xs[1][i] = xs[1][i].max(px + wx);
+                ys[0][i] = ys[0][i].min(py - wy);
+                ys[1][i] = ys[1][i].max(py + wy);
             }
         }
+        let mut seen = [0; M];
         for i in 0..M {
             // Beside or behind the origin a triangle has no rectangle of its corners' points.
-            let whole = near[i] <= 8.0 * slack;
-            let set =
-                |range: &mut [f32; M], all: f32| range[i] = if whole { all } else { range[i] };
-            let least = f32::NEG_INFINITY;
-            set(&mut xs.0, least);
-            set(&mut ys.0, least);
-            set(&mut xs.1, f32::INFINITY);
-            set(&mut ys.1, f32::INFINITY);
+            if near[i] <= 8.0 * slack {
+                for range in [&mut *xs, &mut *ys] {
+                    range[0][i] = f32::NEG_INFINITY;
+                    range[1][i] = f32::INFINITY;
+                }
+            }
+            near[i] -= slack;
         }
-        let seen: [u32; M] = from_fn(|i| {
-            let x = (xs.0[i] <= self.window.x[1]) & (self.window.x[0] <= xs.1[i]);
-            let y = (ys.0[i] <= self.window.y[1]) & (self.window.y[0] <= ys.1[i]);
-            u32::from(x & y & (far[i] >= -slack)) << i
-        });
-        let windows = from_fn(|i| Window {
-            x: [xs.0[i], xs.1[i]],
-            y: [ys.0[i], ys.1[i]],
-            near: near[i] - slack,
-        });
+        for i in 0..M {
+            seen[i] = u32::from(self.overlaps(&windows, i) & (far[i] >= -slack)) << i;
+        }
         (windows, seen.iter().fold(0, |all, bit| all | bit))
+    }
+
+    /// Whether a window has a point in common with the packet's.
+    #[inline(always)]
+    fn overlaps<const M: usize>(&self, windows: &Windows<M>, i: usize) -> bool {
+        let Windows { x, y, .. } = windows;
+        let across = (x[0][i] <= self.window.x[1]) & (self.window.x[0] <= x[1][i]);
+        let up = (y[0][i] <= self.window.y[1]) & (self.window.y[0] <= y[1][i]);
+        across & up
     }
 }
 
@@ -281,16 +308,23 @@ fn reach(limit: f64, length: f64) -> f32 {
 fn range(points: &[f32; PACKET]) -> [f32; 2] {
     const LANES: usize = 16;
     let (mut least, mut greatest) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    let lesser = |a: f32, b: f32| if b < a { b } else { a };
+    let greater = |a: f32, b: f32| if b > a { b } else { a };
     for part in points.as_chunks::<LANES>().0 {
         for i in 0..LANES {
-            least[i] = least[i].min(part[i]);
-            greatest[i] = greatest[i].max(part[i]);
+            least[i] = lesser(least[i], part[i]);
+            greatest[i] = greater(greatest[i], part[i]);
         }
     }
-    [
-        least.into_iter().fold(f32::INFINITY, f32::min),
-        greatest.into_iter().fold(f32::NEG_INFINITY, f32::max),
-    ]
+    let mut half = LANES / 2;
+    while half > 0 {
+        for i in 0..half {
+            least[i] = lesser(least[i], least[i + half]);
+            greatest[i] = greater(greatest[i], greatest[i + half]);
+        }
+        half /= 2;
+    }
+    [least[0], greatest[0]]
 }
 
 /// What a packet finds in a tree.
@@ -348,8 +382,8 @@ pub(in crate::accel) fn walk_packet<K: Kernel<N>, const N: usize, C: Catch<N>>(
         while seen != 0 {
             let lane = seen.trailing_zeros() as usize & (N - 1);
             seen &= seen - 1;
-            let window = &windows[lane];
-            let inside = mask & kernel.within(&packet.points, window);
+            let window = windows.at(lane);
+            let inside = mask & kernel.within(&packet.points, &window);
             if inside == 0 {
                 continue;
             }

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::accel::ray::TreeRay;
 use crate::math::Ray;
+use crate::memory::fetch;
 
 use super::Walk;
 use super::kernel::{Kernel, PREPARED, STACK, Waiting, is_near, limit_bits};
@@ -34,7 +35,7 @@ pub(in crate::accel) struct Entrant<'a, const N: usize> {
     /// In units of the box test.
     pub start: f32,
     pub limit: f32,
-    root: Root<'a, N>,
+    pub root: Root<'a, N>,
 }
 
 impl<'a, const N: usize> Entrant<'a, N> {
@@ -66,6 +67,8 @@ pub(in crate::accel) enum Next<'a, const N: usize> {
     To(f32),
     /// It goes through a tree in this leaf first.
     Down(Entrant<'a, N>),
+    /// So it does, ready for that tree too.
+    Into(Root<'a, N>),
     /// It has seen enough.
     Stop,
 }
@@ -88,7 +91,7 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
     ) -> Next<'a, N>;
 
     /// Number `slot` comes back from a tree in a leaf.
-    fn rise(&mut self, slot: usize) -> Entrant<'a, N>;
+    fn rise(&mut self, slot: usize, entrant: &mut Entrant<'a, N>);
 }
 
 struct Slot<'a, const N: usize> {
@@ -122,10 +125,17 @@ impl Turns {
     }
 }
 
-impl<'a, const N: usize> Slot<'a, N> {
-    fn place(&mut self, entrant: Entrant<'a, N>) {
-        self.link = entrant.root.walk.root;
-        self.entrant = entrant;
+impl<const N: usize> Slot<'_, N> {
+    /// Starts at the root of another tree than the one that waits.
+    ///
+    /// # Safety
+    /// There is room on the stack.
+    #[inline(always)]
+    unsafe fn descend(&mut self) {
+        self.len += 1;
+        self.floor = self.len;
+        unsafe { *self.top().add(self.len) = u64::from(DONE) };
+        self.link = self.entrant.root.walk.root;
     }
 
     #[inline(always)]
@@ -175,22 +185,9 @@ impl<'a, const N: usize> Slot<'a, N> {
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
         let place = base.wrapping_add((self.link & !LEAF) as usize * size);
         for line in 0..LINES {
-            fetch_line(place.wrapping_add(64 * line));
+            fetch(place.wrapping_add(64 * line));
         }
     }
-}
-
-/// Asks for a cache line.
-#[inline(always)]
-pub(super) fn fetch_line(place: *const u8) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch of any address does no harm.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(place.cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = place;
 }
 
 /// Cache lines that a step reads: 5 of a leaf, 7 of a node of 16.
@@ -281,40 +278,47 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
             // SAFETY: as above; all entries up to `len` were written.
             unsafe {
                 let slot = &mut *slots.add(i as usize);
-                if slot.link == DONE && slot.floor == 0 {
-                    turns.free[turns.idle] = i;
-                    turns.idle += 1;
-                    continue;
-                }
-                if slot.link == DONE {
-                    slot.floor = 0;
-                    slot.entrant = traffic.rise(i as usize);
-                    slot.cut();
-                    slot.pop();
-                } else {
-                    let leaf = slot.link & !LEAF;
-                    match traffic.visit(kernel, i as usize, &slot.entrant, leaf) {
-                        Next::On => slot.pop(),
-                        Next::To(limit) => {
-                            slot.entrant.limit = limit;
-                            slot.cut();
-                            slot.pop();
-                        }
-                        Next::Down(entrant) => {
-                            slot.len += 1;
-                            slot.floor = slot.len;
-                            *slot.top().add(slot.len) = u64::from(DONE);
-                            slot.place(entrant);
-                        }
-                        Next::Stop => {
-                            slot.len = 0;
-                            slot.floor = 0;
-                            slot.pop();
+                loop {
+                    if slot.link == DONE && slot.floor == 0 {
+                        turns.free[turns.idle] = i;
+                        turns.idle += 1;
+                        break;
+                    }
+                    if slot.link == DONE {
+                        slot.floor = 0;
+                        traffic.rise(i as usize, &mut slot.entrant);
+                        slot.cut();
+                        slot.pop();
+                    } else {
+                        let leaf = slot.link & !LEAF;
+                        match traffic.visit(kernel, i as usize, &slot.entrant, leaf) {
+                            Next::On => slot.pop(),
+                            Next::To(limit) => {
+                                slot.entrant.limit = limit;
+                                slot.cut();
+                                slot.pop();
+                            }
+                            Next::Down(entrant) => {
+                                slot.entrant = entrant;
+                                slot.descend();
+                            }
+                            Next::Into(root) => {
+                                slot.entrant.root = root;
+                                slot.descend();
+                            }
+                            Next::Stop => {
+                                slot.len = 0;
+                                slot.floor = 0;
+                                slot.pop();
+                            }
                         }
                     }
+                    if slot.link & LEAF == 0 || slot.entrant.root.leaves.is_some() {
+                        slot.fetch();
+                        turns.put(i, slot.link);
+                        break;
+                    }
                 }
-                slot.fetch();
-                turns.put(i, slot.link);
             }
         }
     }

@@ -10,33 +10,35 @@ pub(super) struct Cuboid {
 }
 
 impl Cuboid {
-    /// The slab method (Kay and Kajiya 1986, "Ray Tracing Complex Scenes"), keeping the face of each end.
+    /// The slab method (Kay and Kajiya 1986, "Ray Tracing Complex Scenes"), keeping the face of each end. Without branches,
+    /// which rays would take at random.
     #[inline(always)]
     pub(super) fn spans(self, ray: &Ray) -> Option<Span> {
-        let mut enter = (f64::NEG_INFINITY, 0);
-        let mut exit = (f64::INFINITY, 0);
-        for axis in 0..3 {
-            let (o, d) = (ray.origin[axis], ray.direction[axis]);
-            if d == 0.0 {
-                if o.abs() > self.half[axis] {
-                    return None;
-                }
-                continue;
-            }
-            let (ahead, behind) = (
-                2 * axis as u32 + u32::from(d > 0.0),
-                2 * axis as u32 + u32::from(d < 0.0),
-            );
-            let half = self.half[axis].copysign(d);
-            let (near, far) = ((-half - o) / d, (half - o) / d);
-            if near > enter.0 {
-                enter = (near, behind);
-            }
-            if far < exit.0 {
-                exit = (far, ahead);
-            }
-        }
-        (enter.0 <= exit.0).then(|| Span::new(enter, exit))
+        let inverse = ray.direction.recip();
+        let ahead = self.half.copysign(ray.direction);
+        let near = ((-ahead - ray.origin) * inverse).to_array();
+        let far = ((ahead - ray.origin) * inverse).to_array();
+        // Not a number is a ray in the plane of a face: it lies between that and the other one.
+        let enter = near
+            .into_iter()
+            .fold(f64::NEG_INFINITY, |a, t| if t > a { t } else { a });
+        let exit = far
+            .into_iter()
+            .fold(f64::INFINITY, |a, t| if t < a { t } else { a });
+        let face = |planes: [f64; 3], t: f64, positive: bool| {
+            let axis = if planes[0] == t {
+                0
+            } else {
+                1 + usize::from(planes[1] != t)
+            };
+            2 * axis as u32 + u32::from((ray.direction[axis] > 0.0) == positive)
+        };
+        (enter <= exit).then(|| {
+            Span::new(
+                (enter, face(near, enter, false)),
+                (exit, face(far, exit, true)),
+            )
+        })
     }
 
     pub(super) fn bounds(self) -> Bounds {

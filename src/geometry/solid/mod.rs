@@ -212,15 +212,18 @@ impl Solid {
     }
 
     /// The first crossing with `tmin < t < tmax`, and whether the ray comes to it from inside.
+    #[inline(always)]
     pub fn closest(&self, ray: &Ray) -> Option<(Crossing, bool)> {
-        for span in self.spans(ray).iter() {
-            for (crossing, inside) in [(span.enter, false), (span.exit, true)] {
-                if crossing.t > ray.tmin && crossing.t < ray.tmax {
-                    return Some((crossing, inside));
-                }
-            }
+        // Walls are most of what solids are used for.
+        match *self {
+            Self::Box { half } => first(Cuboid { half }.spans(ray).as_ref(), ray),
+            _ => self.closest_of_any(ray),
         }
-        None
+    }
+
+    #[inline(never)]
+    fn closest_of_any(&self, ray: &Ray) -> Option<(Crossing, bool)> {
+        first(self.spans(ray).iter(), ray)
     }
 
     /// The box around it; all of space below z = 0 for a plane.
@@ -269,6 +272,16 @@ impl Solid {
     pub fn project(&self, p: DVec3, face: u32) -> DVec3 {
         dispatch!(self, shape => shape.project(p, face))
     }
+}
+
+/// The first end of ordered spans with `tmin < t < tmax`, and whether it is where one is left.
+#[inline(always)]
+fn first<'a>(spans: impl IntoIterator<Item = &'a Span>, ray: &Ray) -> Option<(Crossing, bool)> {
+    spans.into_iter().find_map(|span| {
+        let inside = span.enter.t <= ray.tmin;
+        let crossing = if inside { span.exit } else { span.enter };
+        (crossing.t > ray.tmin && crossing.t < ray.tmax).then_some((crossing, inside))
+    })
 }
 
 /// Parameter of the point of the ray's line that is closest to `center`, and that point seen from there.
