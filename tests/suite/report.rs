@@ -62,6 +62,7 @@ fn every_figure_of_the_report_is_in_the_gallery() {
         let picture = image::open(folder().join(format!("gallery/{stem}.png"))).unwrap();
         assert_eq!(picture.width(), 240, "{figure}");
     }
+    assert!(page.contains("![figure 8 without an offset](gallery/figure_08_acne.png)"));
     assert!(page.contains("## Table 2"));
 }
 
