@@ -7,7 +7,7 @@ use glam::Vec3A;
 use crate::accel::ray::TreeRay;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, Stack, Waiting};
+use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 use super::packet::{PACKET, Points, Window};
 
@@ -103,8 +103,11 @@ impl Kernel<8> for Avx2 {
         len: &mut usize,
     ) -> u32 {
         let (enter, mask) = self.meet(node, boxes, limit);
-        if mask & mask.wrapping_sub(1) == 0 {
-            return node.only(mask);
+        if are_few(mask) {
+            let mut at = [0.0; 8];
+            // SAFETY: see `new`.
+            unsafe { _mm256_storeu_ps(at.as_mut_ptr(), enter) };
+            return enter_few(node, &at, mask, stack, len);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
         unsafe {

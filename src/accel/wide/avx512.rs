@@ -10,7 +10,7 @@ use crate::math::Ray;
 use super::avx2::{Avx2, sort4};
 use super::block::Block;
 use super::decide::decide;
-use super::kernel::{Kernel, PREPARED, Stack, Waiting};
+use super::kernel::{Kernel, PREPARED, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 use super::packet::{GROUP, Met, PACKET, Points, Window};
 use super::prepare::prepare;
@@ -91,6 +91,12 @@ impl Kernel<16> for Avx512 {
         let (enter, mask) = self.meet(node, boxes, limit);
         if mask & mask.wrapping_sub(1) == 0 {
             return node.only(u32::from(mask));
+        }
+        if are_few(u32::from(mask)) {
+            let mut at = [0.0; 16];
+            // SAFETY: see `new`.
+            unsafe { _mm512_storeu_ps(at.as_mut_ptr(), enter) };
+            return enter_few(node, &at, u32::from(mask), stack, len);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
         unsafe {

@@ -38,6 +38,49 @@ pub(in crate::accel) fn is_near(waiting: Waiting, bits: u32) -> bool {
     (waiting >> 32) as u32 <= bits
 }
 
+/// Whether [`enter_few`] is for these children.
+#[inline(always)]
+pub(super) fn are_few(mask: u32) -> bool {
+    mask.count_ones() <= 3
+}
+
+/// [`Kernel::enter`] for the children in `mask`, at most three, that the ray enters at `enter`: one number at a time is sooner
+/// done than a sort of vectors, and the processor guesses well how many there are.
+#[inline(always)]
+pub(super) fn enter_few<const N: usize>(
+    node: &Node<N>,
+    enter: &[f32; N],
+    mask: u32,
+    stack: &mut Stack,
+    len: &mut usize,
+) -> u32 {
+    let rest = mask & mask.wrapping_sub(1);
+    if rest == 0 {
+        return node.only(mask);
+    }
+    let waiting = |mask: u32| -> Waiting {
+        let lane = mask.trailing_zeros() as usize & (N - 1);
+        let key = enter[lane].to_bits() & !(N as u32 - 1) | lane as u32;
+        u64::from(key) << 32 | u64::from(node.children[lane])
+    };
+    let mut push = |waiting| {
+        // SAFETY: the stack has room for all that wait in the deepest tree.
+        unsafe { stack.get_unchecked_mut(*len).write(waiting) };
+        *len += 1;
+    };
+    let (a, b) = (waiting(mask), waiting(rest));
+    let (near, far) = (a.min(b), a.max(b));
+    let last = rest & (rest - 1);
+    if last == 0 {
+        push(far);
+        return near as u32;
+    }
+    let c = waiting(last);
+    push(far.max(c));
+    push(far.min(near.max(c)));
+    near.min(c) as u32
+}
+
 /// Rays that are made ready at once.
 pub(in crate::accel) const PREPARED: usize = 8;
 

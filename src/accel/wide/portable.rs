@@ -1,13 +1,10 @@
 //! Plain Rust that compilers turn into whatever vectors there are; for any ray, also one that f32 cannot hold.
 
-use std::array::from_fn;
-use std::mem::MaybeUninit;
-
 use crate::accel::ray::TreeRay;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, STACK, Stack, Waiting};
-use super::node::{NONE, Node};
+use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
+use super::node::Node;
 
 #[derive(Clone, Copy)]
 pub(super) struct Portable;
@@ -41,77 +38,39 @@ impl<const N: usize> Kernel<N> for Portable {
         stack: &mut Stack,
         len: &mut usize,
     ) -> u32 {
-        let ray = &boxes.ray;
-        let mut enter = [boxes.start; N];
-        let mut leave = [limit; N];
-        for axis in 0..3 {
-            let sign = ray.sign[axis] as usize;
-            let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
-            for lane in 0..N {
-                enter[lane] = enter[lane].max(near[lane] * ray.inverse[axis] - ray.near[axis]);
-                leave[lane] = leave[lane].min(far[lane] * ray.inverse[axis] - ray.far[axis]);
-            }
+        let (enter, mask) = meet(node, boxes, limit);
+        if are_few(mask) {
+            return enter_few(node, &enter, mask, stack, len);
         }
-        let first = *len;
-        for lane in 0..N {
-            if enter[lane] > leave[lane] {
-                continue;
-            }
-            let entry =
-                u64::from(enter[lane].max(0.0).to_bits()) << 32 | u64::from(node.children[lane]);
-            let mut place = *len;
-            while place > first {
-                // SAFETY: just written.
-                let above = unsafe { stack[place - 1].assume_init() };
-                if above >= entry {
-                    break;
-                }
-                stack[place].write(above);
-                place -= 1;
-            }
-            stack[place].write(entry);
-            *len += 1;
+        // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
+        unsafe {
+            let top = stack.as_mut_ptr().add(*len).cast::<Waiting>();
+            let count = sorted(node, &enter, mask, top);
+            *len += count - 1;
+            *top.add(count - 1) as u32
         }
-        if *len == first {
-            return NONE;
-        }
-        *len -= 1;
-        // SAFETY: just written.
-        unsafe { stack[*len].assume_init() as u32 }
     }
 
     #[inline(always)]
     unsafe fn push(self, node: &Node<N>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
-        let mut stack: Stack = [MaybeUninit::uninit(); STACK];
-        let mut len = 0;
-        let nearest = Kernel::<N>::enter(self, node, boxes, limit, &mut stack, &mut len);
-        if nearest == NONE {
-            return 0;
-        }
-        unsafe {
-            for (i, waiting) in stack[..=len].iter().enumerate() {
-                top.add(i).write(waiting.assume_init());
-            }
-        }
-        len + 1
+        let (enter, mask) = meet(node, boxes, limit);
+        unsafe { sorted(node, &enter, mask, top) }
     }
 
     #[inline(always)]
     fn candidates(self, block: &Block, ray: &TreeRay, _limit: f32) -> u32 {
         let (scale, least) = ray.doubt();
         let mut size = [0.0_f32; LANES];
-        let corners = block.corners.each_ref().map(|planes| {
-            let relative = |i: usize| -> [f32; LANES] {
-                from_fn(|lane| planes[ray.axes[i] as usize][lane] - ray.origin[i])
-            };
-            let (px, py, pz) = (relative(0), relative(1), relative(2));
-            let p: [[f32; LANES]; 2] = [
-                from_fn(|lane| px[lane] - pz[lane] * ray.shear[0]),
-                from_fn(|lane| py[lane] - pz[lane] * ray.shear[1]),
-            ];
-            size = from_fn(|lane| size[lane].max(p[0][lane].abs()).max(p[1][lane].abs()));
-            p
-        });
+        let mut corners = [[[0.0; LANES]; 2]; 3];
+        let [x, y, z] = ray.axes.map(|axis| axis as usize);
+        for (p, planes) in corners.iter_mut().zip(&block.corners) {
+            for lane in 0..LANES {
+                let z = planes[z][lane] - ray.origin[2];
+                p[0][lane] = planes[x][lane] - ray.origin[0] - z * ray.shear[0];
+                p[1][lane] = planes[y][lane] - ray.origin[1] - z * ray.shear[1];
+                size[lane] = size[lane].max(p[0][lane].abs()).max(p[1][lane].abs());
+            }
+        }
         let [a, b, c] = corners;
         let mut mask = 0;
         for lane in 0..LANES {
@@ -125,4 +84,64 @@ impl<const N: usize> Kernel<N> for Portable {
         }
         mask
     }
+}
+
+/// Where the ray enters the boxes, at least 0, and a bit for each that it meets.
+#[inline(always)]
+fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N], u32) {
+    let ray = &boxes.ray;
+    let mut enter = [boxes.start; N];
+    let mut leave = [limit; N];
+    for axis in 0..3 {
+        let sign = ray.sign[axis] as usize;
+        let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
+        for lane in 0..N {
+            let near = near[lane] * ray.inverse[axis] - ray.near[axis];
+            let far = far[lane] * ray.inverse[axis] - ray.far[axis];
+            // What is not a number says nothing.
+            enter[lane] = if near > enter[lane] {
+                near
+            } else {
+                enter[lane]
+            };
+            leave[lane] = if far < leave[lane] { far } else { leave[lane] };
+        }
+    }
+    let mut met = [0; N];
+    for lane in 0..N {
+        met[lane] = u32::from(enter[lane] <= leave[lane]) << lane;
+        // Behind the origin there is no order.
+        enter[lane] = enter[lane].max(0.0);
+    }
+    (enter, met.iter().fold(0, |all, bit| all | bit))
+}
+
+/// Writes the children in `mask` to `top`, far ones first; returns how many.
+///
+/// # Safety
+/// There is room.
+#[inline(always)]
+unsafe fn sorted<const N: usize>(
+    node: &Node<N>,
+    enter: &[f32; N],
+    mut mask: u32,
+    top: *mut Waiting,
+) -> usize {
+    let mut count = 0;
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize & (N - 1);
+        mask &= mask - 1;
+        let entry = u64::from(enter[lane].to_bits()) << 32 | u64::from(node.children[lane]);
+        let mut place = count;
+        // SAFETY: the caller's, and entries below `count` were written.
+        unsafe {
+            while place > 0 && *top.add(place - 1) < entry {
+                *top.add(place) = *top.add(place - 1);
+                place -= 1;
+            }
+            *top.add(place) = entry;
+        }
+        count += 1;
+    }
+    count
 }
