@@ -313,6 +313,7 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                             }
                         }
                     }
+                    // What follows at a leaf of a small tree, or at none, is in the caches: no other ray need go first.
                     if slot.link & LEAF == 0 || slot.entrant.root.leaves.is_some() {
                         slot.fetch();
                         turns.put(i, slot.link);
