@@ -361,6 +361,9 @@ pub(super) struct AtLeaf<'a, C> {
 /// The end of a ray for which nothing is left to look for.
 pub(super) const ENOUGH: f64 = f64::NEG_INFINITY;
 
+/// A mesh that reaches no more than so many times its size from 0 is measured from there.
+const NEAR: f64 = 4.0;
+
 /// Trees of so many bytes are read from afar, and asking ahead pays.
 const FAR: usize = 16 << 20;
 
@@ -372,10 +375,14 @@ fn left_out(kept: &[u32], count: u32) -> Vec<u32> {
         .collect()
 }
 
-/// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again.
+/// A point to measure from so that the difference to every f32 coordinate in `bounds` is an f32 again: 0 where a mesh is
+/// near it for its size, so that many have the same.
 /// Where an axis lies far from 0 against its length that is its middle, by Sterbenz's lemma (within a
 /// factor of two, differences are exact); elsewhere 0, and coordinates are of the size of the box.
 fn exact_center(bounds: &Bounds) -> DVec3 {
+    if bounds.min.abs().max(bounds.max.abs()).max_element() <= NEAR * bounds.size().max_element() {
+        return DVec3::ZERO;
+    }
     DVec3::from_array([0, 1, 2].map(|axis| {
         let (min, max) = (bounds.min[axis], bounds.max[axis]);
         let middle = f64::from((0.5 * (min + max)) as f32);

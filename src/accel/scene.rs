@@ -267,6 +267,18 @@ impl Accel {
         self.spaces[instance as usize] == Space::Own
     }
 
+    /// Whether it is clear at once that `ray` does not meet `instance`: it may be the wall that it leaves, whose box is
+    /// too close for f32 to tell.
+    #[inline(always)]
+    fn is_behind(&self, instance: u32, ray: &Ray) -> bool {
+        let placed = &self.placed[instance as usize];
+        let Shape::Solid(solid) = placed.shape else {
+            return false;
+        };
+        let moved = self.moved_ray(instance, ray);
+        solid.is_behind(moved.as_ref().unwrap_or(ray))
+    }
+
     #[inline(always)]
     fn intersect_one(&self, instance: u32, ray: &Ray, tmax: f64) -> Option<Hit> {
         let placed = &self.placed[instance as usize];

@@ -56,7 +56,10 @@ impl QuadLight {
 pub struct Quad {
     middle: DVec3,
     edges: [DVec3; 2],
-    lengths: [f64; 2],
+    /// Half their lengths.
+    halves: [f64; 2],
+    /// Unit directions along them.
+    axes: [DVec3; 2],
     flat: Flat,
 }
 
@@ -67,7 +70,8 @@ impl Quad {
         let quad = Self {
             middle,
             edges,
-            lengths: edges.map(DVec3::length),
+            halves: edges.map(|edge| 0.5 * edge.length()),
+            axes: edges.map(DVec3::normalize),
             flat,
         };
         if quad.is_rectangle() {
@@ -112,9 +116,8 @@ impl Quad {
     #[inline(always)]
     fn seen(&self, to: DVec3, n: DVec3) -> Option<SphericalRectangle> {
         let [x, y] = [0, 1].map(|i| {
-            let half = 0.5 * self.lengths[i];
-            let middle = to.dot(self.edges[i]) / self.lengths[i];
-            [middle - half, middle + half]
+            let middle = to.dot(self.axes[i]);
+            [middle - self.halves[i], middle + self.halves[i]]
         });
         let seen = SphericalRectangle::new(x, y, -n.dot(to));
         (seen.solid_angle() > SMALL).then_some(seen)

@@ -9,6 +9,8 @@ pub struct Transform {
     inverse: DAffine3,
     /// Whether it shifts and does nothing else, which is less work, with the same bits.
     shift: bool,
+    /// [`Self::max_stretch`].
+    stretch: f64,
 }
 
 impl Transform {
@@ -17,6 +19,8 @@ impl Transform {
         forward: DAffine3::IDENTITY,
         inverse: DAffine3::IDENTITY,
         shift: true,
+        // The root of 3.
+        stretch: 1.732_050_807_568_877_2,
     };
 
     /// The map `matrix`, or `None` where it is not finite or flattens space.
@@ -48,6 +52,7 @@ impl Transform {
             forward,
             inverse,
             shift: [forward, inverse].map(|map| map.matrix3) == [DMat3::IDENTITY; 2],
+            stretch: stretch(&forward),
         }
     }
 
@@ -64,6 +69,7 @@ impl Transform {
             forward: self.inverse,
             inverse: self.forward,
             shift: self.shift,
+            stretch: stretch(&self.inverse),
         }
     }
 
@@ -137,9 +143,14 @@ impl Transform {
         }
     }
 
-    /// Maps a surface normal, as a gradient; unit length out, same side of the surface.
+    /// Maps a surface normal, as a gradient; same side of the surface. Of one of unit length it makes one of unit
+    /// length.
     pub fn normal(&self, n: DVec3) -> DVec3 {
-        self.gradient(n).normalize()
+        if self.shift {
+            n
+        } else {
+            self.gradient(n).normalize()
+        }
     }
 
     /// The box around the image of `bounds`; all of space stays so.
@@ -153,8 +164,7 @@ impl Transform {
 
     /// The greatest factor by which it stretches a length (an upper bound: the Frobenius norm).
     pub fn max_stretch(&self) -> f64 {
-        let m = &self.forward.matrix3;
-        (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
+        self.stretch
     }
 
     /// The factor by which it scales every length, or `None` where directions differ.
@@ -165,4 +175,9 @@ impl Transform {
         let same = gram.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 1e-9 * square);
         same.then(|| square.sqrt())
     }
+}
+
+fn stretch(map: &DAffine3) -> f64 {
+    let m = &map.matrix3;
+    (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
 }

@@ -3,6 +3,7 @@
 pub struct Discrete {
     /// Sums of the weights up to and including each index.
     cumulative: Vec<f64>,
+    probabilities: Vec<f32>,
 }
 
 impl Discrete {
@@ -20,28 +21,27 @@ impl Discrete {
                 *c = (i + 1) as f64;
             }
         }
-        Self { cumulative }
-    }
-
-    fn total(&self) -> f64 {
-        self.cumulative.last().copied().unwrap_or(0.0)
+        let total = cumulative.last().copied().unwrap_or(0.0);
+        let probabilities = (0..cumulative.len()).map(|i| {
+            let below = if i == 0 { 0.0 } else { cumulative[i - 1] };
+            ((cumulative[i] - below) / total) as f32
+        });
+        Self {
+            probabilities: probabilities.collect(),
+            cumulative,
+        }
     }
 
     /// An index and its probability, or `None` where there are no weights. `u` in [0, 1).
     pub fn sample(&self, u: f32) -> Option<(usize, f32)> {
-        let target = f64::from(u) * self.total();
+        let target = f64::from(u) * self.cumulative.last()?;
         let index = self.cumulative.partition_point(|&c| c <= target);
-        (index < self.cumulative.len()).then(|| (index, self.probability(index)))
+        Some((index, *self.probabilities.get(index)?))
     }
 
     /// The probability of an index.
     pub fn probability(&self, index: usize) -> f32 {
-        let below = if index == 0 {
-            0.0
-        } else {
-            self.cumulative[index - 1]
-        };
-        ((self.cumulative[index] - below) / self.total()) as f32
+        self.probabilities[index]
     }
 }
 

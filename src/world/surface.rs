@@ -60,18 +60,17 @@ impl World {
             Shape::Mesh(id) => self.on_mesh(id, hit.primitive, hit.uv, instance.smooth),
             Shape::Csg(id) => self.on_csg(id, &local, hit, instance.smooth),
         };
-        let outward = transform.normal(at.n);
-        let ng = outward.as_vec3().normalize();
+        let ng = transform.normal(at.n).as_vec3();
         let id = instance.material(at.slot);
         let material = &self.scene.materials[id.0 as usize];
         let ns = match &material.relief {
             None => (at.shading)
-                .map(|n| transform.normal(n).as_vec3())
+                .map(|n| transform.normal(n).normalize().as_vec3())
                 .filter(|n| n.is_finite())
                 .map_or(ng, |n| if n.dot(ng) < 0.0 { -n } else { n }),
             Some(relief) => {
                 let n = transform.normal(self.bent(relief, instance, hit, &at));
-                above_horizon(n.as_vec3(), ng)
+                above_horizon(n.normalize().as_vec3(), ng)
             }
         };
         let tangent = if material.surface.is_brushed() {

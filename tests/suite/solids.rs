@@ -320,3 +320,32 @@ fn closest_is_the_first_crossing_strictly_between_tmin_and_tmax() {
         }
     }
 }
+
+/// Kernels ask no more of a solid that is behind, which would otherwise be a hole in walls.
+#[test]
+fn what_is_behind_is_not_met() {
+    let mut rng = rng(31);
+    for solid in SOLIDS {
+        let (mut behind, mut met) = (0, 0);
+        for _ in 0..200_000 {
+            let ray = nasty_ray(&mut rng, &solid);
+            // On the surface, or a few ulps and more off it.
+            let face = rng.random_range(0..face_count(&solid));
+            let on = solid.project(nearby(&mut rng, &solid), face);
+            let off = rng.random_range(-3..=3) as f64 * f64::EPSILON * size(&solid);
+            let leaving = Ray {
+                origin: on + off * solid.normal(on, face),
+                ..ray
+            };
+            for ray in [ray, leaving] {
+                let closest = solid.closest(&ray);
+                let is_behind = solid.is_behind(&ray);
+                assert!(!is_behind || closest.is_none(), "{solid:?} {ray:?}");
+                behind += u32::from(is_behind);
+                met += u32::from(closest.is_some());
+            }
+        }
+        assert!(met > 10_000);
+        assert_eq!(behind > 10_000, matches!(solid, Solid::Box { .. }));
+    }
+}

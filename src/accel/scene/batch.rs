@@ -289,6 +289,9 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
                     return Next::Down(entrant);
                 }
             }
+            if accel.is_behind(instance, ray) {
+                return Next::On;
+            }
             answers.meet(accel, instance, ray, flight.index, &mut flight.limit);
         }
         if flight.limit == ENOUGH {

@@ -41,6 +41,14 @@ impl Cuboid {
         })
     }
 
+    /// Whether the ray starts beyond a face and does not come back to it.
+    #[inline(always)]
+    pub(super) fn is_behind(self, ray: &Ray) -> bool {
+        let beyond = ray.origin.abs().cmpgt(self.half);
+        let away = (ray.origin * ray.direction).cmpge(DVec3::ZERO);
+        ray.tmin >= 0.0 && (beyond & away).any()
+    }
+
     pub(super) fn bounds(self) -> Bounds {
         Bounds::symmetric(self.half)
     }

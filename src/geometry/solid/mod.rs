@@ -221,6 +221,15 @@ impl Solid {
         }
     }
 
+    /// Whether [`Self::closest`] has nothing to find, as far as that is known at once: of boxes, which a ray may be past.
+    #[inline(always)]
+    pub fn is_behind(&self, ray: &Ray) -> bool {
+        match *self {
+            Self::Box { half } => Cuboid { half }.is_behind(ray),
+            _ => false,
+        }
+    }
+
     #[inline(never)]
     fn closest_of_any(&self, ray: &Ray) -> Option<(Crossing, bool)> {
         first(self.spans(ray).iter(), ray)
