@@ -72,8 +72,8 @@ impl BoxTree {
 
     /// `ray` as this tree sees it.
     #[inline(always)]
-    pub(super) fn local_ray(&self, ray: &Ray) -> TreeRay {
-        TreeRay::new(ray, self.center, self.extent)
+    pub(super) fn local_ray<K: Kernel<N>, const N: usize>(&self, kernel: K, ray: &Ray) -> TreeRay {
+        kernel.prepare_one(ray, self.center, self.extent)
     }
 
     /// Where rays enter.
@@ -131,7 +131,7 @@ impl<F: FnMut(u32) -> ControlFlow<(), f64>> Task for Leaves<'_, F> {
 
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(mut self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
-        let local = self.boxes.local_ray(self.ray);
+        let local = self.boxes.local_ray(kernel, self.ray);
         let (start, mut end) = (local.box_start(self.ray.tmin), local.box_limit(self.tmax));
         let mut stack = stack();
         let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);

@@ -214,7 +214,7 @@ impl MeshTree {
         tmax: f64,
         mut offer: impl FnMut(TriangleHit, u32) -> f64,
     ) {
-        let local = TreeRay::new(ray, self.center, self.extent);
+        let local = kernel.prepare_one(ray, self.center, self.extent);
         let start = local.box_start(ray.tmin);
         let mut at = AtLeaf {
             ray,

@@ -210,6 +210,15 @@ impl Accel {
 
     /// The closest hit with `tmin < t < tmax`; of equal `t` the lowest instance, then primitive.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        // Most programs ask about one mesh.
+        if let ([instance], None) = (&*self.always, &self.tree) {
+            return self.intersect_one(*instance, ray, ray.tmax);
+        }
+        self.intersect_all(ray)
+    }
+
+    #[inline(never)]
+    fn intersect_all(&self, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut limit = ray.tmax;
         let mut offer = |hit: Hit, limit: &mut f64| {
@@ -238,7 +247,7 @@ impl Accel {
 
     /// Whether anything lies in `tmin < t < tmax`.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if (self.always.iter()).any(|&i| self.intersect_one(i, ray, ray.tmax).is_some()) {
+        if (self.always.iter()).any(|&instance| self.occludes(instance, ray)) {
             return true;
         }
         let Some((tree, order)) = &self.tree else {

@@ -77,7 +77,7 @@ impl<B, V: FnMut(Flip) -> ControlFlow<B>> Task for Pass<'_, V> {
             boxes,
             visit,
         } = self;
-        let local = boxes.local_ray(sweep.ray);
+        let local = boxes.local_ray(kernel, sweep.ray);
         let start = local.box_start(sweep.ray.tmin);
         let front = Front {
             kernel,

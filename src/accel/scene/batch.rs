@@ -284,7 +284,7 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
                 let moved = accel.moved_ray(instance, ray);
                 let local = moved.as_ref().unwrap_or(ray);
                 if mesh.fits_kernels(local) {
-                    let entrant = Entrant::new(local, flight.limit, mesh.root());
+                    let entrant = Entrant::new(kernel, local, flight.limit, mesh.root());
                     (flight.mesh, flight.moved) = (Some((mesh, instance)), moved);
                     return Next::Down(entrant);
                 }
@@ -304,14 +304,14 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
     }
 
     #[inline(always)]
-    fn rise(&mut self, slot: usize, entrant: &mut Entrant<'a, N>) {
+    fn rise<K: Kernel<N>>(&mut self, kernel: K, slot: usize, entrant: &mut Entrant<'a, N>) {
         let flight = &mut self.slots[slot];
         flight.mesh = None;
         if flight.shared {
             entrant.root = self.root;
         } else {
             let ray = &self.stream.rays[flight.index];
-            *entrant = Entrant::new(ray, flight.limit, self.root);
+            *entrant = Entrant::new(kernel, ray, flight.limit, self.root);
         }
     }
 }

@@ -2,14 +2,16 @@
 
 use std::arch::x86_64::*;
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 use crate::accel::ray::TreeRay;
+use crate::math::Ray;
 
 use super::block::{Block, LANES};
 use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 use super::packet::{PACKET, Points, Window};
+use super::prepare::prepare_one;
 
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(());
@@ -53,6 +55,12 @@ pub(super) struct Corners {
 impl Kernel<8> for Avx2 {
     type Boxes = Boxes;
     type Corners = Corners;
+
+    #[inline(always)]
+    fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
+        // SAFETY: see `new`.
+        unsafe { prepare_one(ray, center, extent) }
+    }
 
     #[inline(always)]
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {

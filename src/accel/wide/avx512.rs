@@ -46,6 +46,11 @@ impl Kernel<16> for Avx512 {
     type Corners = <Avx2 as Kernel<8>>::Corners;
 
     #[inline(always)]
+    fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
+        self.triangles.prepare_one(ray, center, extent)
+    }
+
+    #[inline(always)]
     unsafe fn prepare(
         self,
         rays: &[Ray; PREPARED],

@@ -92,6 +92,12 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     /// What the triangle test takes from the ray.
     type Corners: Copy;
 
+    /// `ray` made ready for a tree, as [`TreeRay::new`] does it.
+    #[inline(always)]
+    fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
+        TreeRay::new(ray, center, extent)
+    }
+
     /// Writes each of `rays`, made ready for a tree as [`TreeRay::new`] does it, to the same one of `into`.
     ///
     /// # Safety

@@ -1,4 +1,4 @@
-//! Eight rays made ready at once, with AVX-512.
+//! Rays made ready: eight at once with AVX-512, one with AVX2.
 
 use std::arch::x86_64::*;
 
@@ -112,6 +112,70 @@ pub(super) unsafe fn prepare(
     }
 }
 
+/// In the steps of [`TreeRay::new`], with the same bits.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+pub(super) unsafe fn prepare_one(ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
+    // SAFETY: a ray is eight numbers side by side, a point three. What a fourth lane holds does not matter.
+    unsafe {
+        let numbers = (&raw const *ray).cast::<f64>();
+        let (origin, direction) = (_mm256_loadu_pd(numbers), _mm256_loadu_pd(numbers.add(3)));
+        let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), direction);
+        let longest = _mm256_max_pd(
+            _mm256_permute4x64_pd::<0b11_00_10_01>(size),
+            _mm256_permute4x64_pd::<0b11_01_00_10>(size),
+        );
+        let longest = _mm256_max_pd(size, longest);
+        let axis = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(size, longest));
+        let axis = (axis | 4).trailing_zeros() as usize;
+        let unit = _mm256_min_pd(
+            _mm256_max_pd(longest, _mm256_set1_pd(UNITS[0])),
+            _mm256_set1_pd(UNITS[1]),
+        );
+        let exponent = _mm256_set1_epi64x(0x7ff0_0000_0000_0000);
+        let unit = _mm256_and_si256(_mm256_castpd_si256(unit), exponent);
+        let reciprocal = _mm256_sub_epi64(_mm256_set1_epi64x(0x7fe0_0000_0000_0000), unit);
+        let direction = _mm256_mul_pd(direction, _mm256_castsi256_pd(reciprocal));
+        let direction = _mm256_cvtpd_ps(direction);
+        let center = _mm256_setr_pd(center.x, center.y, center.z, 0.0);
+        let from = _mm256_cvtpd_ps(_mm256_sub_pd(origin, center));
+        let sign = _mm_set1_ps(-0.0);
+        let abs = |x: __m128| _mm_andnot_ps(sign, x);
+        let signed = |x: __m128| _mm_or_ps(x, _mm_and_ps(direction, sign));
+        let reach = abs(from);
+        let reach = _mm_max_ps(
+            _mm_max_ps(reach, _mm_permute_ps::<0b11_00_10_01>(reach)),
+            _mm_permute_ps::<0b11_01_00_10>(reach),
+        );
+        let slack = _mm_mul_ps(_mm_set1_ps(SLACK), _mm_add_ps(reach, _mm_set1_ps(extent)));
+        let inverse = _mm_div_ps(_mm_set1_ps(1.0), abs(direction));
+        let inverse = signed(_mm_min_ps(inverse, _mm_set1_ps(STEEPEST)));
+        let outward = signed(slack);
+        let turn = _mm_loadu_si128(TURNS[axis].as_ptr().cast());
+        let [a, b, along, _] = floats(_mm_permutevar_ps(direction, turn));
+        let [x, y, z, _] = floats(_mm_permutevar_ps(from, turn));
+        let [.., across, _] = floats(_mm_permutevar_ps(inverse, turn));
+        let [i, j, k, _] = TURNS[axis];
+        TreeRay {
+            inverse: inverse.into(),
+            near: _mm_mul_ps(_mm_add_ps(from, outward), inverse).into(),
+            far: _mm_mul_ps(_mm_sub_ps(from, outward), inverse).into(),
+            sign: SIGNS[_mm_movemask_ps(direction) as usize & 7],
+            axes: [i, j, k],
+            origin: [x, y, z],
+            shear: [a * across, b * across],
+            slack: _mm_cvtss_f32(slack),
+            unit: _mm256_cvtsd_f64(_mm256_castsi256_pd(unit)),
+            along,
+        }
+    }
+}
+
+/// [`AXES`] by the longest one, as lanes.
+static TURNS: [[u32; 4]; 3] = [[1, 2, 0, 3], [2, 0, 1, 3], [0, 1, 2, 3]];
+
 /// Rows to columns.
 #[inline(always)]
 unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
@@ -184,4 +248,74 @@ unsafe fn ge(a: __m512d, b: __m512d) -> u8 {
 fn floats(v: __m128) -> [f32; 4] {
     // SAFETY: four numbers.
     unsafe { std::mem::transmute(v) }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::super::avx2::Avx2;
+    use super::super::avx512::Avx512;
+    use super::super::kernel::Kernel;
+    use super::*;
+    use crate::accel::Kernel as Choice;
+
+    /// Of any length and place, along axes and planes too.
+    fn any_ray(rng: &mut Pcg64Mcg) -> Ray {
+        let mut vector = |scale: f64| {
+            DVec3::from_array([0, 1, 2].map(|_| match rng.random_range(0..8) {
+                0 => 0.0,
+                1 => -0.0,
+                2 => scale,
+                _ => scale * rng.random_range(-1.0..1.0),
+            }))
+        };
+        let origin = vector(3.0);
+        let mut direction = vector(2.0);
+        if direction == DVec3::ZERO {
+            direction.y = -1.0;
+        }
+        let lengths = [1.0, 1e-12, 1e10, 1e-300, 1e300];
+        Ray::new(origin, lengths[rng.random_range(0..5)] * direction)
+    }
+
+    #[test]
+    fn kernels_make_rays_ready_with_the_same_bits() {
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        for _ in 0..10_000 {
+            let rays: [Ray; PREPARED] = std::array::from_fn(|_| any_ray(&mut rng));
+            let (center, extent) = (DVec3::new(0.5, -2.0, 1e3), rng.random_range(0.0..10.0));
+            let plain = rays.map(|ray| TreeRay::new(&ray, center, extent));
+            let same = |ready: &TreeRay, i: usize| {
+                assert_eq!(
+                    format!("{ready:?}"),
+                    format!("{:?}", plain[i]),
+                    "{:?}",
+                    rays[i]
+                );
+            };
+            // SAFETY: only with kernels that the processor has.
+            if Choice::available().contains(&Choice::Avx2) {
+                let kernel = unsafe { Avx2::new() };
+                for (i, ray) in rays.iter().enumerate() {
+                    same(&kernel.prepare_one(ray, center, extent), i);
+                }
+            }
+            if Choice::available().contains(&Choice::Avx512) {
+                let kernel = unsafe { Avx512::new() };
+                let mut ready = plain;
+                ready.rotate_left(1);
+                unsafe {
+                    kernel.prepare(
+                        &rays,
+                        center,
+                        extent,
+                        &ready.each_mut().map(|r| &raw mut *r),
+                    )
+                };
+                (0..PREPARED).for_each(|i| same(&ready[i], i));
+            }
+        }
+    }
 }

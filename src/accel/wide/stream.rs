@@ -39,8 +39,14 @@ pub(in crate::accel) struct Entrant<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Entrant<'a, N> {
-    pub(in crate::accel) fn new(ray: &Ray, tmax: f64, root: Root<'a, N>) -> Self {
-        let local = TreeRay::new(ray, root.center, root.extent);
+    #[inline(always)]
+    pub(in crate::accel) fn new<K: Kernel<N>>(
+        kernel: K,
+        ray: &Ray,
+        tmax: f64,
+        root: Root<'a, N>,
+    ) -> Self {
+        let local = kernel.prepare_one(ray, root.center, root.extent);
         Self {
             start: local.box_start(ray.tmin),
             limit: local.box_limit(tmax),
@@ -91,7 +97,7 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
     ) -> Next<'a, N>;
 
     /// Number `slot` comes back from a tree in a leaf.
-    fn rise(&mut self, slot: usize, entrant: &mut Entrant<'a, N>);
+    fn rise<K: Kernel<N>>(&mut self, kernel: K, slot: usize, entrant: &mut Entrant<'a, N>);
 }
 
 struct Slot<'a, const N: usize> {
@@ -286,7 +292,7 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                     }
                     if slot.link == DONE {
                         slot.floor = 0;
-                        traffic.rise(i as usize, &mut slot.entrant);
+                        traffic.rise(kernel, i as usize, &mut slot.entrant);
                         slot.cut();
                         slot.pop();
                     } else {
