@@ -312,7 +312,7 @@ mod tests {
                         center,
                         extent,
                         &ready.each_mut().map(|r| &raw mut *r),
-                    )
+                    );
                 };
                 (0..PREPARED).for_each(|i| same(&ready[i], i));
             }
