@@ -226,13 +226,16 @@ impl MeshTree {
         let mut stack = stack();
         let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
         while let Some(leaf) = descent.next(at.limit) {
+            let before = limit;
             self.visit(kernel, &at, leaf, |hit, primitive| {
                 limit = offer(hit, primitive);
             });
-            if limit == ENOUGH {
-                return;
+            if limit != before {
+                if limit == ENOUGH {
+                    return;
+                }
+                at.limit = local.box_limit(limit);
             }
-            at.limit = local.box_limit(limit);
         }
     }
 
