@@ -63,15 +63,14 @@ impl Mesh {
         self.triangles[i as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Asks memory for what shading reads of triangle `i`: its indices, and with `deep` what they point to, once they
-    /// have come.
-    pub(crate) fn fetch(&self, i: u32, deep: bool) {
-        let triangle = &self.triangles[i as usize];
-        if !deep {
-            fetch(triangle);
-            return;
-        }
-        for vertex in triangle.map(|v| v as usize) {
+    /// Asks memory for the corners' indices of triangle `i`.
+    pub(crate) fn fetch_indices(&self, i: u32) {
+        fetch(&raw const self.triangles[i as usize]);
+    }
+
+    /// Asks memory for what shading reads at the corners of triangle `i`, whose indices should be there.
+    pub(crate) fn fetch_corners(&self, i: u32) {
+        for vertex in self.triangles[i as usize].map(|v| v as usize) {
             fetch(&raw const self.positions[vertex]);
             if let Some(normal) = self.normals.get(vertex) {
                 fetch(normal);

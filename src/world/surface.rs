@@ -40,12 +40,18 @@ impl World {
     /// Asks memory for what [`Self::surface`] reads of `hits` that come soon, while the first one is worked on.
     #[inline]
     pub fn fetch_ahead(&self, hits: &[Option<Hit>]) {
-        for (ahead, deep) in [(8, false), (4, true)] {
-            if let Some(Some(hit)) = hits.get(ahead)
-                && let Shape::Mesh(id) = self.instance(hit).shape
-            {
-                self.scene.meshes[id.0 as usize].fetch(hit.primitive, deep);
+        let on_mesh = |ahead: usize| {
+            let hit = hits.get(ahead)?.as_ref()?;
+            match self.instance(hit).shape {
+                Shape::Mesh(id) => Some((&self.scene.meshes[id.0 as usize], hit.primitive)),
+                _ => None,
             }
+        };
+        if let Some((mesh, triangle)) = on_mesh(8) {
+            mesh.fetch_indices(triangle);
+        }
+        if let Some((mesh, triangle)) = on_mesh(4) {
+            mesh.fetch_corners(triangle);
         }
     }
 

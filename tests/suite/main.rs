@@ -3,6 +3,7 @@
 #![allow(unreachable_pub)] // Everything in a test binary is private to it.
 mod accel;
 mod adaptive;
+mod agreement;
 mod bare_model;
 mod bench;
 mod bsdf;

@@ -12,7 +12,8 @@ use solidtrace::sampling::SamplerKind;
 use solidtrace::scene::IntegratorSettings;
 use solidtrace::texture::{Bitmap, Texture};
 
-use crate::lights::{OneWay, assert_agreement, floor, mixed};
+use crate::agreement::{OneWay, assert_agreement, mixed};
+use crate::lights::floor;
 use crate::support::{Build, Shot, camera, diffuse, empty_scene, shoot, shoot_with};
 
 use super::{LightOnly, environment, irradiance, picture};

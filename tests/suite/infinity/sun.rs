@@ -11,7 +11,8 @@ use solidtrace::sampling::SamplerKind;
 use solidtrace::scene::{IntegratorSettings, Scene};
 use solidtrace::texture::Texture;
 
-use crate::lights::{OneWay, assert_agreement, assert_irradiance, floor, mixed};
+use crate::agreement::{OneWay, assert_agreement, mixed};
+use crate::lights::{assert_irradiance, floor};
 use crate::support::{Build, Shot, camera, diffuse, empty_scene, shoot, shoot_with};
 
 /// A sun of one colour `elevation` degrees above the horizon, `angle` degrees across.
