@@ -146,22 +146,15 @@ impl MeshTree {
             ray,
             tmax,
         };
-        if self.fits_kernels(ray) {
-            self.tree.run(task)
-        } else {
-            self.tree.run_portable(task)
-        }
+        (self.tree.run(task)).unwrap_or_else(|| self.tree.run_portable(task).flatten())
     }
 
     /// Whether any triangle lies in `ray.tmin..ray.tmax`.
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let task = Any { mesh: self, ray };
-        if self.fits_kernels(ray) {
-            self.tree.run(task)
-        } else {
-            self.tree.run_portable(task)
-        }
+        (self.tree.run(task))
+            .unwrap_or_else(|| self.tree.run_portable(task).is_some_and(|met| met))
     }
 
     /// Where rays enter.
@@ -181,12 +174,12 @@ impl MeshTree {
     pub(super) fn visit<K: Kernel<N>, const N: usize>(
         &self,
         kernel: K,
-        at: &AtLeaf<'_, K::Corners>,
+        at: &AtLeaf<'_>,
         leaf: u32,
         mut offer: impl FnMut(TriangleHit, u32),
     ) {
         let block = &self.leaves[leaf as usize];
-        let mut mask = kernel.candidates(block, &at.corners, at.limit);
+        let mut mask = kernel.candidates(block, at.local, at.start, at.limit);
         if mask == 0 {
             return;
         }
@@ -204,7 +197,7 @@ impl MeshTree {
     }
 
     /// Takes the ray, of the mesh's space, through the tree or a part of it. `offer` gets its hits and answers with where
-    /// there is still something to look for: before that, or [`ENOUGH`].
+    /// there is still something to look for: before that, or [`ENOUGH`]. Whether the kernel takes the ray.
     #[inline(always)]
     pub(super) fn walk<K: Kernel<N>, const N: usize>(
         &self,
@@ -213,13 +206,16 @@ impl MeshTree {
         ray: &Ray,
         tmax: f64,
         mut offer: impl FnMut(TriangleHit, u32) -> f64,
-    ) {
+    ) -> bool {
         let local = kernel.prepare_one(ray, self.center, self.extent);
+        if !kernel.takes(ray, &local) {
+            return false;
+        }
         let start = local.box_start(ray.tmin);
         let mut at = AtLeaf {
             ray,
             local: &local,
-            corners: kernel.corners(&local, start),
+            start,
             limit: local.box_limit(tmax),
         };
         let mut limit = tmax;
@@ -232,11 +228,12 @@ impl MeshTree {
             });
             if limit != before {
                 if limit == ENOUGH {
-                    return;
+                    break;
                 }
                 at.limit = local.box_limit(limit);
             }
         }
+        true
     }
 
     /// As [`MeshTree::visit`] for the rays of a packet in `mask`; `offer` gets their numbers.
@@ -354,10 +351,10 @@ impl MeshTree {
 
 /// A ray at a leaf: in the mesh's space, made ready for the tree and for its triangles, on its way to `limit` in units
 /// of the box test.
-pub(super) struct AtLeaf<'a, C> {
+pub(super) struct AtLeaf<'a> {
     pub ray: &'a Ray,
     pub local: &'a TreeRay,
-    pub corners: C,
+    pub start: f32,
     pub limit: f32,
 }
 

@@ -10,21 +10,20 @@ pub(super) struct TreeRay {
     pub inverse: Vec3A,
     pub near: Vec3A,
     pub far: Vec3A,
-    /// 1 where the direction is negative: which of a box's planes is the near one.
-    pub sign: [u32; 3],
+    /// Origin relative to the tree's centre, in the order of `axes`, as the next one is.
+    pub origin: Vec3A,
+    /// Woop's shear: the direction's first two components over the third. Then how far one unit of the box test goes
+    /// along the third axis: 1 to 2, or -1 to -2.
+    pub shear: Vec3A,
     /// Woop's permutation: the direction is longest along `axes[2]`.
     pub axes: [u32; 3],
-    /// Origin relative to the tree's centre, in the order of `axes`, as the next one is.
-    pub origin: [f32; 3],
-    /// Woop's shear: direction components along `axes[0]` and `axes[1]` over the one along `axes[2]`.
-    pub shear: [f32; 2],
+    /// A bit for each axis along which the direction is negative, so that the upper plane of a box is the near one.
+    pub negative: u32,
     /// More than any rounding of a coordinate in the f32 tests: rounding the origin, subtracting it,
     /// and the shear cost less than 12 units of 2^-24 of the largest distance that matters.
     pub slack: f32,
     /// A power of two: boxes and `inverse` use the direction over `unit`, so that f32 can hold it.
     pub unit: f64,
-    /// How far one unit of the box test goes along `axes[2]`: 1 to 2, or -1 to -2.
-    pub along: f32,
 }
 
 /// A ray relative to a tree's centre, in f64 and in the order of its axes: longest along the third.
@@ -39,18 +38,6 @@ pub(super) struct ExactRay {
 
 /// By whether the first axis is the longest, plus twice whether the second one is.
 pub(super) static AXES: [[u32; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
-
-/// By the bits of a direction's signs.
-pub(super) static SIGNS: [[u32; 3]; 8] = [
-    [0, 0, 0],
-    [1, 0, 0],
-    [0, 1, 0],
-    [1, 1, 0],
-    [0, 0, 1],
-    [1, 0, 1],
-    [0, 1, 1],
-    [1, 1, 1],
-];
 
 /// Squares of sums of a few such numbers are in the range of f32.
 const LARGEST: f64 = 4e18;
@@ -81,20 +68,22 @@ impl TreeRay {
         // ray is in the tree, and a bounded inverse keeps infinities out of the products.
         let inverse = (direction.abs().recip().min(Vec3A::splat(STEEPEST))).copysign(direction);
         let outward = Vec3A::splat(slack).copysign(direction);
-        let negative = direction.is_negative_bitmask() as usize;
         let (origin, components) = (from.to_array(), direction.to_array());
         let across = inverse.to_array()[z];
         Self {
             inverse,
             near: (from + outward) * inverse,
             far: (from - outward) * inverse,
-            sign: SIGNS[negative],
+            origin: Vec3A::new(origin[x], origin[y], origin[z]),
+            shear: Vec3A::new(
+                components[x] * across,
+                components[y] * across,
+                components[z],
+            ),
             axes,
-            origin: [origin[x], origin[y], origin[z]],
-            shear: [components[x] * across, components[y] * across],
+            negative: direction.is_negative_bitmask(),
             slack,
             unit,
-            along: components[z],
         }
     }
 
@@ -108,6 +97,13 @@ impl TreeRay {
             shear: (DVec2::new(direction[x], direction[y]) / direction[z]).to_array(),
             length: direction[z],
         }
+    }
+
+    /// Whether kernels may walk with this, of `ray`: wherever [`fits_kernels`] says so, and some roundings beyond.
+    #[inline(always)]
+    pub(super) fn fits_kernels(&self, ray: &Ray) -> bool {
+        const MOST: f32 = SLACK * (LARGEST * (1.0 + 1e-5)) as f32;
+        (self.slack < MOST) & (ray.tmin >= 0.0)
     }
 
     /// How far an f32 edge function of a triangle may be off, as `scale * size + least`, where no sheared coordinate

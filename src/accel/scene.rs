@@ -56,6 +56,8 @@ pub struct Accel {
     tree: Option<(BoxTree, Vec<u32>)>,
     /// Those that every ray is tested with: planes, CSG objects that half-spaces leave open, and all of few shapes.
     always: Vec<u32>,
+    /// The mesh that is all there is and stands where it was made, and whose: most programs ask about one.
+    lone: Option<(Arc<MeshTree>, u32)>,
     bounds: Bounds,
 }
 
@@ -129,14 +131,25 @@ impl Accel {
             Some(mesh) if Some(mesh.center) == center => Space::Shared,
             _ => Space::World,
         };
+        let spaces: Vec<Space> = placed.iter().map(space).collect();
+        let lone = match *always {
+            [i] if tree.is_none() && spaces[i as usize] != Space::Own => {
+                match placed[i as usize].shape {
+                    Shape::Mesh(id) => Some((meshes[id.0 as usize].clone(), i)),
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
         Ok(Self {
             bounds,
-            spaces: placed.iter().map(space).collect(),
+            spaces,
             meshes,
             csgs,
             placed,
             tree,
             always,
+            lone,
         })
     }
 
@@ -210,9 +223,9 @@ impl Accel {
 
     /// The closest hit with `tmin < t < tmax`; of equal `t` the lowest instance, then primitive.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        // Most programs ask about one mesh.
-        if let ([instance], None) = (&*self.always, &self.tree) {
-            return self.intersect_one(*instance, ray, ray.tmax);
+        if let Some((mesh, instance)) = &self.lone {
+            let (hit, primitive) = mesh.intersect(ray, ray.tmax)?;
+            return Some(Hit::of_triangle(&hit, primitive, *instance));
         }
         self.intersect_all(ray)
     }
@@ -247,6 +260,14 @@ impl Accel {
 
     /// Whether anything lies in `tmin < t < tmax`.
     pub fn occluded(&self, ray: &Ray) -> bool {
+        if let Some((mesh, _)) = &self.lone {
+            return mesh.occluded(ray);
+        }
+        self.occluded_by_any(ray)
+    }
+
+    #[inline(never)]
+    fn occluded_by_any(&self, ray: &Ray) -> bool {
         if (self.always.iter()).any(|&instance| self.occludes(instance, ray)) {
             return true;
         }

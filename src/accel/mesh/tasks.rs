@@ -7,7 +7,9 @@ use crate::math::Ray;
 
 use super::{ENOUGH, MeshTree};
 
-/// The closest hit before `tmax`, and its primitive; of equal distances the lowest.
+/// The closest hit before `tmax`, and its primitive; of equal distances the lowest. `None` where the kernel does not take
+/// the ray.
+#[derive(Clone, Copy)]
 pub(super) struct Closest<'a> {
     pub mesh: &'a MeshTree,
     pub ray: &'a Ray,
@@ -15,14 +17,14 @@ pub(super) struct Closest<'a> {
 }
 
 impl Task for Closest<'_> {
-    type Output = Option<(TriangleHit, u32)>;
+    type Output = Option<Option<(TriangleHit, u32)>>;
 
     #[inline(always)]
     fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
         let Self { mesh, ray, tmax } = self;
         let mut limit = tmax;
         let mut best: Option<(TriangleHit, u32)> = None;
-        mesh.walk(kernel, walk, ray, tmax, |hit, primitive| {
+        let taken = mesh.walk(kernel, walk, ray, tmax, |hit, primitive| {
             let tie = best.is_some_and(|(b, id)| hit.t == b.t && primitive < id);
             if hit.t < limit || tie {
                 limit = hit.t;
@@ -30,30 +32,31 @@ impl Task for Closest<'_> {
             }
             limit
         });
-        best
+        taken.then_some(best)
     }
 }
 
-/// Whether anything is in the ray's way.
+/// Whether anything is in the ray's way. `None` where the kernel does not take the ray.
+#[derive(Clone, Copy)]
 pub(super) struct Any<'a> {
     pub mesh: &'a MeshTree,
     pub ray: &'a Ray,
 }
 
 impl Task for Any<'_> {
-    type Output = bool;
+    type Output = Option<bool>;
 
     #[inline(always)]
-    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> bool {
+    fn run<K: Kernel<N>, const N: usize>(self, kernel: K, walk: Walk<'_, N>) -> Self::Output {
         let Self { mesh, ray } = self;
         let mut limit = ray.tmax;
-        mesh.walk(kernel, walk, ray, limit, |hit, _| {
+        let taken = mesh.walk(kernel, walk, ray, limit, |hit, _| {
             if hit.t < limit {
                 limit = ENOUGH;
             }
             limit
         });
-        limit == ENOUGH
+        taken.then_some(limit == ENOUGH)
     }
 }
 

@@ -265,7 +265,7 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
             let at = AtLeaf {
                 ray: flight.moved.as_ref().unwrap_or(ray),
                 local: &entrant.ray,
-                corners: kernel.corners(&entrant.ray, entrant.start),
+                start: entrant.start,
                 limit: entrant.limit,
             };
             mesh.visit(kernel, &at, leaf, |hit, primitive| {

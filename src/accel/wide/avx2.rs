@@ -35,26 +35,8 @@ pub(super) struct Boxes {
     far_at: [usize; 3],
 }
 
-#[derive(Clone, Copy)]
-pub(super) struct Corners {
-    origin: [__m256; 3],
-    shear: [__m256; 2],
-    /// Doubt is `scale * size + least`.
-    scale: __m256,
-    least: __m256,
-    /// Where in a corner's planes those of the ray's axes stand, in bytes.
-    at: [usize; 3],
-    /// For the distance along the ray's longest axis: which way is forward, what a unit of the box test is in it, and
-    /// where the ray starts.
-    forward: __m256,
-    slack: f32,
-    unit: f32,
-    start: f32,
-}
-
 impl Kernel<8> for Avx2 {
     type Boxes = Boxes;
-    type Corners = Corners;
 
     #[inline(always)]
     fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
@@ -68,35 +50,14 @@ impl Kernel<8> for Avx2 {
         unsafe {
             let all = |x: f32| _mm256_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
-            let [x, y, z] = ray.sign.map(|sign| sign as usize);
+            let negative = ray.negative as usize & 7;
             Boxes {
                 inverse: three(ray.inverse),
                 near: three(ray.near),
                 far: three(ray.far),
                 start: all(start.max(0.0)),
-                near_at: [x * 3 * 32, (y * 3 + 1) * 32, (z * 3 + 2) * 32],
-                far_at: [(3 - x * 3) * 32, (4 - y * 3) * 32, (5 - z * 3) * 32],
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn corners(self, ray: &TreeRay, start: f32) -> Corners {
-        // SAFETY: see `new`.
-        unsafe {
-            let all = |x: f32| _mm256_set1_ps(x);
-            let (scale, least) = ray.doubt();
-            let [x, y, z] = ray.axes.map(|axis| axis as usize);
-            Corners {
-                origin: [all(ray.origin[0]), all(ray.origin[1]), all(ray.origin[2])],
-                shear: [all(ray.shear[0]), all(ray.shear[1])],
-                scale: all(scale),
-                least: all(least),
-                at: [x * LANES * 4, y * LANES * 4, z * LANES * 4],
-                forward: _mm256_and_ps(all(ray.along), all(-0.0)),
-                slack: 8.0 * ray.slack,
-                unit: ray.along.abs(),
-                start: start.max(0.0) * ray.along.abs(),
+                near_at: Node::<8>::FIRST[negative],
+                far_at: Node::<8>::FIRST[7 - negative],
             }
         }
     }
@@ -161,19 +122,20 @@ impl Kernel<8> for Avx2 {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, ray: &Corners, limit: f32) -> u32 {
+    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32 {
         // SAFETY: see `new`; planes are loaded from where they stand in the block.
         unsafe {
+            let ray = &*opaque(ray);
+            let all = |x: f32| _mm256_set1_ps(x);
+            let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
+            let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
+            let [at_x, at_y, at_z] = ray.axes.map(|axis| axis as usize * LANES * size_of::<f32>());
             let corner = |corner: usize| {
                 let base = (&raw const block.corners[corner]).cast::<u8>();
-                let relative = |i: usize| {
-                    let plane = _mm256_load_ps(base.add(ray.at[i]).cast());
-                    _mm256_sub_ps(plane, ray.origin[i])
-                };
-                let z = relative(2);
-                let x = _mm256_fnmadd_ps(z, ray.shear[0], relative(0));
-                let y = _mm256_fnmadd_ps(z, ray.shear[1], relative(1));
-                (x, y, z)
+                let z = _mm256_sub_ps(_mm256_load_ps(base.add(at_z).cast()), oz);
+                let x = _mm256_sub_ps(_mm256_load_ps(base.add(at_x).cast()), ox);
+                let y = _mm256_sub_ps(_mm256_load_ps(base.add(at_y).cast()), oy);
+                (_mm256_fnmadd_ps(z, sx, x), _mm256_fnmadd_ps(z, sy, y), z)
             };
             let (ax, ay, az) = corner(0);
             let (bx, by, bz) = corner(1);
@@ -188,7 +150,8 @@ impl Kernel<8> for Avx2 {
                 most(abs(ax), abs(bx), abs(cx)),
                 most(abs(ay), abs(by), abs(cy)),
             );
-            let doubt = _mm256_fmadd_ps(ray.scale, size, ray.least);
+            let (scale, least) = ray.doubt();
+            let doubt = _mm256_fmadd_ps(all(scale), size, all(least));
             // False where the lane holds no triangle.
             let inside = _mm256_or_ps(
                 _mm256_cmp_ps::<_CMP_GE_OQ>(
@@ -200,21 +163,23 @@ impl Kernel<8> for Avx2 {
             // Distance times area, both positive for a hit ahead, with what they may be off.
             let area = _mm256_add_ps(_mm256_add_ps(u, v), w);
             let facing = _mm256_and_ps(area, sign);
+            let along = all(ray.shear.z);
+            let (forward, unit) = (_mm256_and_ps(along, sign), abs(along));
             let moment = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));
-            let moment = _mm256_xor_ps(_mm256_xor_ps(moment, facing), ray.forward);
+            let moment = _mm256_xor_ps(_mm256_xor_ps(moment, facing), forward);
             let area = _mm256_xor_ps(area, facing);
             let reach = most(abs(az), abs(bz), abs(cz));
             let edges = _mm256_add_ps(_mm256_add_ps(abs(u), abs(v)), abs(w));
             let off = _mm256_fmadd_ps(edges, _mm256_set1_ps(ROUNDING), doubt);
             let off = _mm256_mul_ps(_mm256_set1_ps(8.0), off);
-            let least = _mm256_mul_ps(edges, _mm256_set1_ps(ray.slack));
+            let least = _mm256_mul_ps(edges, all(8.0 * ray.slack));
             let before = |at: f32, sign: f32| {
-                let at = _mm256_set1_ps(at);
+                let at = _mm256_mul_ps(all(at), unit);
                 let sure = _mm256_fmadd_ps(off, _mm256_add_ps(reach, abs(at)), least);
                 _mm256_fmadd_ps(sure, _mm256_set1_ps(sign), _mm256_mul_ps(at, area))
             };
-            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, before(ray.start, -1.0));
-            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, before(limit * ray.unit, 1.0));
+            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, before(start.max(0.0), -1.0));
+            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, before(limit, 1.0));
             _mm256_movemask_ps(_mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside)) as u32
         }
     }
@@ -282,6 +247,17 @@ impl Avx2 {
             count
         }
     }
+}
+
+/// `x`, of which the compiler no longer knows what it holds. It would fill registers with each number in `x` before a
+/// loop that has too few of them, and take each from memory after all.
+#[inline(always)]
+fn opaque<T>(mut x: *const T) -> *const T {
+    // SAFETY: it does nothing.
+    unsafe {
+        std::arch::asm!("/* {0} */", inout(reg) x, options(nostack, preserves_flags, readonly));
+    }
+    x
 }
 
 /// Sorts signed numbers, the greatest first: Batcher's bitonic network.

@@ -43,7 +43,6 @@ pub(super) struct Boxes {
 
 impl Kernel<16> for Avx512 {
     type Boxes = Boxes;
-    type Corners = <Avx2 as Kernel<8>>::Corners;
 
     #[inline(always)]
     fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
@@ -67,21 +66,16 @@ impl Kernel<16> for Avx512 {
         unsafe {
             let all = |x: f32| _mm512_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
-            let [x, y, z] = ray.sign.map(|sign| sign as usize);
+            let negative = ray.negative as usize & 7;
             Boxes {
                 inverse: three(ray.inverse),
                 near: three(ray.near),
                 far: three(ray.far),
                 start: all(start.max(0.0)),
-                near_at: [x * 3 * 64, (y * 3 + 1) * 64, (z * 3 + 2) * 64],
-                far_at: [(3 - x * 3) * 64, (4 - y * 3) * 64, (5 - z * 3) * 64],
+                near_at: Node::<16>::FIRST[negative],
+                far_at: Node::<16>::FIRST[7 - negative],
             }
         }
-    }
-
-    #[inline(always)]
-    fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners {
-        self.triangles.corners(ray, start)
     }
 
     #[inline(always)]
@@ -153,8 +147,8 @@ impl Kernel<16> for Avx512 {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32 {
-        self.triangles.candidates(block, corners, limit)
+    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32 {
+        self.triangles.candidates(block, ray, start, limit)
     }
 }
 

@@ -89,13 +89,17 @@ pub(in crate::accel) const PREPARED: usize = 8;
 pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     /// What the box test takes from the ray.
     type Boxes: Copy;
-    /// What the triangle test takes from the ray.
-    type Corners: Copy;
 
     /// `ray` made ready for a tree, as [`TreeRay::new`] does it.
     #[inline(always)]
     fn prepare_one(self, ray: &Ray, center: DVec3, extent: f32) -> TreeRay {
         TreeRay::new(ray, center, extent)
+    }
+
+    /// Whether the kernel takes `ray`, of which `local` was made.
+    #[inline(always)]
+    fn takes(self, ray: &Ray, local: &TreeRay) -> bool {
+        local.fits_kernels(ray)
     }
 
     /// Writes each of `rays`, made ready for a tree as [`TreeRay::new`] does it, to the same one of `into`.
@@ -117,9 +121,6 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
 
     /// For boxes behind `start`, at least 0.
     fn boxes(self, ray: &TreeRay, start: f32) -> Self::Boxes;
-
-    /// Hits before `start` do not matter.
-    fn corners(self, ray: &TreeRay, start: f32) -> Self::Corners;
 
     /// The nearest child that the ray meets before `limit`, or [`NONE`]; the others go onto the stack of `len`
     /// entries, far ones first.
@@ -185,8 +186,8 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         })
     }
 
-    /// A bit for each triangle that is not certainly missed, or certainly hit before the start or beyond `limit`.
-    fn candidates(self, block: &Block, corners: &Self::Corners, limit: f32) -> u32;
+    /// A bit for each triangle that is not certainly missed, or certainly hit before `start` or beyond `limit`.
+    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32;
 }
 
 /// The way of a ray through a tree. It is no function that calls another at each leaf: such a call may not be inlined,

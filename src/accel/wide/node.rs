@@ -29,6 +29,22 @@ impl<const N: usize> Node<N> {
         children: [u32::MAX; N],
     };
 
+    /// Where the planes stand, in bytes, that a ray meets first along each axis; by the bits of its direction's signs.
+    /// Those that it meets last are what the opposite ray meets first.
+    pub(super) const FIRST: [[usize; 3]; 8] = {
+        let mut first = [[0; 3]; 8];
+        let mut negative = 0;
+        while negative < 8 {
+            let mut axis = 0;
+            while axis < 3 {
+                first[negative][axis] = ((negative >> axis & 1) * 3 + axis) * N * size_of::<f32>();
+                axis += 1;
+            }
+            negative += 1;
+        }
+        first
+    };
+
     pub(super) fn set(&mut self, lane: usize, aabb: &Aabb, link: u32) {
         for axis in 0..3 {
             self.planes[0][axis][lane] = aabb.min[axis];

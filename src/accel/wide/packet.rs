@@ -120,7 +120,7 @@ impl Packet {
         if first.origin != rays[1].origin {
             return None;
         }
-        let TreeRay { axes, along, .. } = TreeRay::new(first, first.origin, 0.0);
+        let TreeRay { axes, shear, .. } = TreeRay::new(first, first.origin, 0.0);
         let [x, y, z] = axes.map(|axis| axis as usize);
         let (mut components, mut alike) = ([[0.0; PACKET]; 3], true);
         for (i, ray) in rays.iter().enumerate() {
@@ -130,10 +130,10 @@ impl Packet {
             alike &= ray.origin.cmpeq(first.origin).all() & (ray.tmin == first.tmin);
         }
         let (x, y, z) = (&components[x], &components[y], &components[z]);
-        let sign = f64::from(along.signum());
+        let sign = shear.z.signum();
         let mut odd = [0_u64; PACKET];
         for i in 0..PACKET {
-            let main = z[i] * sign;
+            let main = z[i] * f64::from(sign);
             odd[i] = u64::from(!(main > 0.0 && x[i].abs() <= main && y[i].abs() <= main));
         }
         if !alike || odd.iter().fold(0, |all, odd| all | odd) != 0 {
@@ -141,8 +141,8 @@ impl Packet {
         }
         let shear: [[f64; PACKET]; 2] = [from_fn(|i| x[i] / z[i]), from_fn(|i| y[i] / z[i])];
         let points = Points {
-            x: from_fn(|i| (shear[0][i] * sign) as f32),
-            y: from_fn(|i| (shear[1][i] * sign) as f32),
+            x: from_fn(|i| (shear[0][i] * f64::from(sign)) as f32),
+            y: from_fn(|i| (shear[1][i] * f64::from(sign)) as f32),
             reach: from_fn(|i| reach(limits[i], z[i])),
         };
         let window = Window {
@@ -155,7 +155,7 @@ impl Packet {
             points,
             window,
             axes,
-            sign: along.signum(),
+            sign,
             shear,
             length: *z,
             origin: first.origin,

@@ -1,6 +1,7 @@
 //! Plain Rust that compilers turn into whatever vectors there are; for any ray, also one that f32 cannot hold.
 
 use crate::accel::ray::TreeRay;
+use crate::math::Ray;
 
 use super::block::{Block, LANES};
 use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
@@ -17,16 +18,15 @@ pub(super) struct Boxes {
 
 impl<const N: usize> Kernel<N> for Portable {
     type Boxes = Boxes;
-    type Corners = TreeRay;
+
+    #[inline(always)]
+    fn takes(self, _ray: &Ray, _local: &TreeRay) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
         Boxes { ray: *ray, start }
-    }
-
-    #[inline(always)]
-    fn corners(self, ray: &TreeRay, _start: f32) -> TreeRay {
-        *ray
     }
 
     #[inline(always)]
@@ -58,7 +58,7 @@ impl<const N: usize> Kernel<N> for Portable {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, ray: &TreeRay, _limit: f32) -> u32 {
+    fn candidates(self, block: &Block, ray: &TreeRay, _start: f32, _limit: f32) -> u32 {
         let (scale, least) = ray.doubt();
         let mut size = [0.0_f32; LANES];
         let mut corners = [[[0.0; LANES]; 2]; 3];
@@ -93,7 +93,7 @@ fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N],
     let mut enter = [boxes.start; N];
     let mut leave = [limit; N];
     for axis in 0..3 {
-        let sign = ray.sign[axis] as usize;
+        let sign = (ray.negative >> axis & 1) as usize;
         let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
         for lane in 0..N {
             let near = near[lane] * ray.inverse[axis] - ray.near[axis];

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use glam::DVec3;
 
-use crate::accel::ray::{AXES, SIGNS, SLACK, STEEPEST, TreeRay, UNITS};
+use crate::accel::ray::{AXES, SLACK, STEEPEST, TreeRay, UNITS};
 use crate::math::Ray;
 
 use super::kernel::PREPARED;
@@ -94,19 +94,17 @@ pub(super) unsafe fn prepare(
             let bit = |mask: usize| mask >> i & 1;
             let negative = bit(signs[0]) | bit(signs[1]) << 1 | bit(signs[2]) << 2;
             let longest = bit(usize::from(first)) | bit(usize::from(second)) << 1;
-            let [x, y, z, slack] = floats(origins[i]);
-            let [a, b, along, _] = floats(shears[i]);
+            let [.., slack] = floats(origins[i]);
             into.write(TreeRay {
                 inverse: inverses[i].into(),
                 near: nears[i].into(),
                 far: fars[i].into(),
-                sign: SIGNS[negative],
+                origin: origins[i].into(),
+                shear: shears[i].into(),
                 axes: AXES[longest],
-                origin: [x, y, z],
-                shear: [a, b],
+                negative: negative as u32,
                 slack,
                 unit: units[i],
-                along,
             });
         }
     }
@@ -154,21 +152,19 @@ pub(super) unsafe fn prepare_one(ray: &Ray, center: DVec3, extent: f32) -> TreeR
         let inverse = signed(_mm_min_ps(inverse, _mm_set1_ps(STEEPEST)));
         let outward = signed(slack);
         let turn = _mm_loadu_si128(TURNS[axis].as_ptr().cast());
-        let [a, b, along, _] = floats(_mm_permutevar_ps(direction, turn));
-        let [x, y, z, _] = floats(_mm_permutevar_ps(from, turn));
-        let [.., across, _] = floats(_mm_permutevar_ps(inverse, turn));
+        let seen = _mm_permutevar_ps(direction, turn);
+        let across = _mm_permute_ps::<0b10_10_10_10>(_mm_permutevar_ps(inverse, turn));
         let [i, j, k, _] = TURNS[axis];
         TreeRay {
             inverse: inverse.into(),
             near: _mm_mul_ps(_mm_add_ps(from, outward), inverse).into(),
             far: _mm_mul_ps(_mm_sub_ps(from, outward), inverse).into(),
-            sign: SIGNS[_mm_movemask_ps(direction) as usize & 7],
+            origin: _mm_permutevar_ps(from, turn).into(),
+            shear: _mm_blend_ps::<0b0100>(_mm_mul_ps(seen, across), seen).into(),
             axes: [i, j, k],
-            origin: [x, y, z],
-            shear: [a * across, b * across],
+            negative: _mm_movemask_ps(direction) as u32 & 7,
             slack: _mm_cvtss_f32(slack),
             unit: _mm256_cvtsd_f64(_mm256_castsi256_pd(unit)),
-            along,
         }
     }
 }
