@@ -151,7 +151,7 @@ impl<const N: usize> Program<'_, N> {
             waiting = waiting.max(below);
             out.nodes[place].set(lane, &self.bvh.nodes[part as usize].aabb, link);
         }
-        (place as u32, waiting + len - 1)
+        (Node::<N>::link(place), waiting + len - 1)
     }
 
     /// Adds the subtrees, at most `count`, that the one at `index` becomes.

@@ -234,7 +234,7 @@ impl<'a, K: Kernel<N>, const N: usize> Descent<'a, K, N> {
         loop {
             while self.link & LEAF == 0 {
                 // SAFETY: links of a tree lead to its nodes.
-                let node = unsafe { self.walk.nodes.get_unchecked(self.link as usize) };
+                let node = unsafe { self.walk.node(self.link) };
                 self.link =
                     (self.kernel).enter(node, &self.boxes, limit, self.stack, &mut self.len);
             }

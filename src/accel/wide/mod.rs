@@ -34,7 +34,7 @@ use super::options::{AccelOptions, Kernel as Choice};
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-use node::Node;
+use node::{Node, STEP};
 use portable::Portable;
 
 pub(super) use block::{Block, LANES};
@@ -77,7 +77,7 @@ pub(super) struct Walk<'a, const N: usize> {
     root: u32,
 }
 
-impl<const N: usize> Walk<'_, N> {
+impl<'a, const N: usize> Walk<'a, N> {
     /// Only what is below `link`.
     #[inline(always)]
     pub(super) fn below(self, link: u32) -> Self {
@@ -88,6 +88,13 @@ impl<const N: usize> Walk<'_, N> {
     #[inline(always)]
     pub(super) fn root(self) -> u32 {
         self.root
+    }
+
+    /// # Safety
+    /// `link` is one of this tree, to a node.
+    #[inline(always)]
+    unsafe fn node(self, link: u32) -> &'a Node<N> {
+        unsafe { &*self.nodes.as_ptr().byte_add(link as usize * STEP) }
     }
 
     /// The children that the ray meets before `limit`, far ones first.
@@ -104,7 +111,7 @@ impl<const N: usize> Walk<'_, N> {
         // SAFETY: links of a tree lead to its nodes; there is room for all that `push` writes, which is at least what it
         // says.
         unsafe {
-            let node = self.nodes.get_unchecked(node as usize);
+            let node = self.node(node);
             let count = kernel.push(node, boxes, limit, top);
             std::slice::from_raw_parts(top, count)
         }
@@ -226,7 +233,8 @@ fn around<const N: usize>(walk: Walk<'_, N>, p: DVec3, mut visit: impl FnMut(u32
             visit(link & !LEAF);
             continue;
         }
-        let node = &walk.nodes[link as usize];
+        // SAFETY: links of a tree lead to its nodes.
+        let node = unsafe { walk.node(link) };
         let holds = |lane: usize, axis: usize| {
             let [min, max] = [0, 1].map(|side| f64::from(node.planes[side][axis][lane]));
             min <= p[axis] && p[axis] <= max

@@ -1,8 +1,11 @@
 use bytemuck::Zeroable;
 use obvhs::aabb::Aabb;
 
-/// Set in a link to a leaf; the rest is its index.
+/// Set in a link to a leaf; the rest is its index. A link to a node counts the [`STEP`]s to where it begins.
 pub(in crate::accel) const LEAF: u32 = 1 << 31;
+
+/// Bytes between places where a node may begin: a shift finds it sooner than a product would.
+pub(super) const STEP: usize = 32;
 
 /// No link.
 pub(super) const NONE: u32 = u32::MAX;
@@ -15,7 +18,7 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(in crate::accel) struct Node<const N: usize> {
     /// `[min, max][axis][child]`.
     pub planes: [[[f32; N]; 3]; 2],
-    /// Index of a node, or of a leaf with [`LEAF`] set.
+    /// Links.
     pub children: [u32; N],
 }
 
@@ -44,6 +47,16 @@ impl<const N: usize> Node<N> {
         }
         first
     };
+
+    /// The link to the node with this index.
+    ///
+    /// # Panics
+    /// Beyond 2³¹ steps.
+    pub(super) fn link(index: usize) -> u32 {
+        let link = index * (size_of::<Self>() / STEP);
+        assert!(link < LEAF as usize, "a tree of more than 64 GiB");
+        link as u32
+    }
 
     pub(super) fn set(&mut self, lane: usize, aabb: &Aabb, link: u32) {
         for axis in 0..3 {

@@ -376,7 +376,8 @@ pub(in crate::accel) fn walk_packet<K: Kernel<N>, const N: usize, C: Catch<N>>(
         if catch.take(kernel, packet, link, mask) {
             continue;
         }
-        let node = &root.walk.nodes[link as usize];
+        // SAFETY: links of a tree lead to its nodes.
+        let node = unsafe { root.walk.node(link) };
         let (windows, mut seen) = packet.windows(seat, node);
         let first = len;
         while seen != 0 {

@@ -9,7 +9,7 @@ use crate::memory::fetch;
 
 use super::Walk;
 use super::kernel::{Kernel, PREPARED, STACK, Waiting, is_near, limit_bits};
-use super::node::{LEAF, Node};
+use super::node::{LEAF, STEP};
 
 /// Rays under way at once: while one waits for memory or for its own last result, others go on. New ones start when
 /// [`PREPARED`] slots are free.
@@ -186,7 +186,7 @@ impl<const N: usize> Slot<'_, N> {
         };
         let nodes = (
             self.entrant.root.walk.nodes.as_ptr().cast::<u8>(),
-            size_of::<Node<N>>(),
+            STEP,
         );
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
         let place = base.wrapping_add((self.link & !LEAF) as usize * size);
@@ -269,7 +269,7 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                     limit,
                     root,
                 } = &slot.entrant;
-                let node = root.walk.nodes.get_unchecked(slot.link as usize);
+                let node = root.walk.node(slot.link);
                 let boxes = kernel.boxes(ray, *start);
                 let limit = *limit;
                 let top = slot.top().add(slot.len + 1);
