@@ -153,8 +153,7 @@ impl MeshTree {
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let task = Any { mesh: self, ray };
-        (self.tree.run(task))
-            .unwrap_or_else(|| self.tree.run_portable(task).is_some_and(|met| met))
+        (self.tree.run(task)).unwrap_or_else(|| self.tree.run_portable(task).is_some_and(|met| met))
     }
 
     /// Where rays enter.
@@ -169,7 +168,8 @@ impl MeshTree {
         }
     }
 
-    /// Offers the hits of the ray, of the mesh's space, with the triangles of a leaf.
+    /// Offers the hits of the ray, of the mesh's space, with the triangles of a leaf. If there is one, it lies at most at
+    /// what is returned, in units of the box test: that is known long before the hit itself.
     #[inline(always)]
     pub(super) fn visit<K: Kernel<N>, const N: usize>(
         &self,
@@ -177,12 +177,17 @@ impl MeshTree {
         at: &AtLeaf<'_>,
         leaf: u32,
         mut offer: impl FnMut(TriangleHit, u32),
-    ) {
+    ) -> f32 {
         let block = &self.leaves[leaf as usize];
-        let mut mask = kernel.candidates(block, at.local, at.start, at.limit);
+        let (mut mask, reach) = kernel.candidates(block, at.local, at.start, at.limit);
         if mask == 0 {
-            return;
+            return f32::INFINITY;
         }
+        let end = if mask & (mask - 1) == 0 {
+            (at.local).box_end(reach[mask.trailing_zeros() as usize & (LANES - 1)])
+        } else {
+            f32::INFINITY
+        };
         let exact = at.local.exact(at.ray, self.center);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & (LANES - 1);
@@ -194,6 +199,7 @@ impl MeshTree {
                 offer(hit, block.primitives[lane]);
             }
         }
+        end
     }
 
     /// Takes the ray, of the mesh's space, through the tree or a part of it. `offer` gets its hits and answers with where
@@ -223,14 +229,18 @@ impl MeshTree {
         let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
         while let Some(leaf) = descent.next(at.limit) {
             let before = limit;
-            self.visit(kernel, &at, leaf, |hit, primitive| {
+            let end = self.visit(kernel, &at, leaf, |hit, primitive| {
                 limit = offer(hit, primitive);
             });
             if limit != before {
                 if limit == ENOUGH {
                     break;
                 }
-                at.limit = local.box_limit(limit);
+                at.limit = if end < f32::INFINITY {
+                    end
+                } else {
+                    local.box_limit(limit)
+                };
             }
         }
         true

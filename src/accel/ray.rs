@@ -6,7 +6,7 @@ use crate::math::Ray;
 /// finds the triangles which [`ExactRay`] decides on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeRay {
-    /// For the box test: `t = plane * inverse - near` or `- far`, each widened outward by `slack`.
+    /// For the box test: `t = plane * inverse + near` or `+ far`, each widened outward by `slack`.
     pub inverse: Vec3A,
     pub near: Vec3A,
     pub far: Vec3A,
@@ -72,8 +72,8 @@ impl TreeRay {
         let across = inverse.to_array()[z];
         Self {
             inverse,
-            near: (from + outward) * inverse,
-            far: (from - outward) * inverse,
+            near: (from + outward) * -inverse,
+            far: (from - outward) * -inverse,
             origin: Vec3A::new(origin[x], origin[y], origin[z]),
             shear: Vec3A::new(
                 components[x] * across,
@@ -123,11 +123,18 @@ impl TreeRay {
         (t + t.abs() * BOX_ROUNDING) as f32 + f32::MIN_POSITIVE
     }
 
-    /// The same, not above its true value.
+    /// In the same units, not before anything that lies up to `reach` from the origin along the longest axis.
+    #[inline(always)]
+    pub(super) fn box_end(&self, reach: f32) -> f32 {
+        (reach + self.slack) * self.inverse[self.axes[2] as usize].abs() * (1.0 + SLACK)
+    }
+
+    /// `t` as [`TreeRay::box_limit`] has it, not above its true value, and at least 0 where that is.
     #[inline(always)]
     pub(super) fn box_start(&self, t: f64) -> f32 {
-        let t = t * self.unit;
-        (t - t.abs() * BOX_ROUNDING) as f32 - f32::MIN_POSITIVE
+        let unit = t * self.unit;
+        let start = (unit - unit.abs() * BOX_ROUNDING) as f32 - f32::MIN_POSITIVE;
+        if t < 0.0 { start } else { start.max(0.0) }
     }
 }
 

@@ -268,10 +268,15 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
                 start: entrant.start,
                 limit: entrant.limit,
             };
+            let mut met = false;
             mesh.visit(kernel, &at, leaf, |hit, primitive| {
                 let hit = Hit::of_triangle(&hit, primitive, instance);
                 answers.offer(flight.index, hit, &mut flight.limit);
+                met = true;
             });
+            if !met {
+                return Next::On;
+            }
         } else {
             let (_, order) = accel.tree.as_ref().expect("it is in it");
             let instance = order[leaf as usize];

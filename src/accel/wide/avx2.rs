@@ -55,7 +55,7 @@ impl Kernel<8> for Avx2 {
                 inverse: three(ray.inverse),
                 near: three(ray.near),
                 far: three(ray.far),
-                start: all(start.max(0.0)),
+                start: all(start),
                 near_at: Node::<8>::FIRST[negative],
                 far_at: Node::<8>::FIRST[7 - negative],
             }
@@ -122,14 +122,22 @@ impl Kernel<8> for Avx2 {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32 {
+    fn candidates(
+        self,
+        block: &Block,
+        ray: &TreeRay,
+        start: f32,
+        limit: f32,
+    ) -> (u32, [f32; LANES]) {
         // SAFETY: see `new`; planes are loaded from where they stand in the block.
         unsafe {
             let ray = &*opaque(ray);
             let all = |x: f32| _mm256_set1_ps(x);
             let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
             let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
-            let [at_x, at_y, at_z] = ray.axes.map(|axis| axis as usize * LANES * size_of::<f32>());
+            let [at_x, at_y, at_z] = ray
+                .axes
+                .map(|axis| axis as usize * LANES * size_of::<f32>());
             let corner = |corner: usize| {
                 let base = (&raw const block.corners[corner]).cast::<u8>();
                 let z = _mm256_sub_ps(_mm256_load_ps(base.add(at_z).cast()), oz);
@@ -150,8 +158,10 @@ impl Kernel<8> for Avx2 {
                 most(abs(ax), abs(bx), abs(cx)),
                 most(abs(ay), abs(by), abs(cy)),
             );
-            let (scale, least) = ray.doubt();
-            let doubt = _mm256_fmadd_ps(all(scale), size, all(least));
+            // At least `TreeRay::doubt`.
+            let slack = all(ray.slack);
+            let scale = _mm256_mul_ps(slack, all(5.0));
+            let doubt = _mm256_fmadd_ps(scale, _mm256_add_ps(size, slack), all(f32::MIN_POSITIVE));
             // False where the lane holds no triangle.
             let inside = _mm256_or_ps(
                 _mm256_cmp_ps::<_CMP_GE_OQ>(
@@ -160,27 +170,28 @@ impl Kernel<8> for Avx2 {
                 ),
                 _mm256_cmp_ps::<_CMP_LE_OQ>(most(u, v, w), doubt),
             );
-            // Distance times area, both positive for a hit ahead, with what they may be off.
+            // Distance times area, both positive for a hit ahead.
             let area = _mm256_add_ps(_mm256_add_ps(u, v), w);
-            let facing = _mm256_and_ps(area, sign);
-            let along = all(ray.shear.z);
-            let (forward, unit) = (_mm256_and_ps(along, sign), abs(along));
             let moment = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));
-            let moment = _mm256_xor_ps(_mm256_xor_ps(moment, facing), forward);
-            let area = _mm256_xor_ps(area, facing);
+            let turned = _mm256_and_ps(_mm256_xor_ps(area, all(ray.shear.z)), sign);
+            let moment = _mm256_xor_ps(moment, turned);
+            let area = abs(area);
+            // Each edge function may be off by the doubt, each depth by the slack, and sums by their rounding. No hit is
+            // farther than the farthest corner, so that is the largest distance that matters, wherever the ray starts or
+            // ends.
             let reach = most(abs(az), abs(bz), abs(cz));
-            let edges = _mm256_add_ps(_mm256_add_ps(abs(u), abs(v)), abs(w));
-            let off = _mm256_fmadd_ps(edges, _mm256_set1_ps(ROUNDING), doubt);
-            let off = _mm256_mul_ps(_mm256_set1_ps(8.0), off);
-            let least = _mm256_mul_ps(edges, all(8.0 * ray.slack));
-            let before = |at: f32, sign: f32| {
-                let at = _mm256_mul_ps(all(at), unit);
-                let sure = _mm256_fmadd_ps(off, _mm256_add_ps(reach, abs(at)), least);
-                _mm256_fmadd_ps(sure, _mm256_set1_ps(sign), _mm256_mul_ps(at, area))
-            };
-            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, before(start.max(0.0), -1.0));
-            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, before(limit, 1.0));
-            _mm256_movemask_ps(_mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside)) as u32
+            let edges = _mm256_fmadd_ps(doubt, all(4.0), area);
+            let off = _mm256_mul_ps(_mm256_fmadd_ps(edges, all(ROUNDING), doubt), all(8.0));
+            let off = _mm256_fmadd_ps(off, reach, _mm256_mul_ps(edges, scale));
+            let unit = ray.shear.z.abs();
+            let behind = _mm256_fmsub_ps(all(start * unit), area, off);
+            let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, behind);
+            let beyond = _mm256_fmadd_ps(all(limit * unit), area, off);
+            let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, beyond);
+            let mask = _mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside);
+            let mut at = [0.0; LANES];
+            _mm256_storeu_ps(at.as_mut_ptr(), reach);
+            (_mm256_movemask_ps(mask) as u32, at)
         }
     }
 }
@@ -194,11 +205,11 @@ impl Avx2 {
             let base = (&raw const *node).cast::<u8>();
             let near = |axis: usize| {
                 let planes = _mm256_load_ps(base.add(boxes.near_at[axis]).cast());
-                _mm256_fmsub_ps(planes, boxes.inverse[axis], boxes.near[axis])
+                _mm256_fmadd_ps(planes, boxes.inverse[axis], boxes.near[axis])
             };
             let far = |axis: usize| {
                 let planes = _mm256_load_ps(base.add(boxes.far_at[axis]).cast());
-                _mm256_fmsub_ps(planes, boxes.inverse[axis], boxes.far[axis])
+                _mm256_fmadd_ps(planes, boxes.inverse[axis], boxes.far[axis])
             };
             let enter = _mm256_max_ps(
                 _mm256_max_ps(near(0), near(1)),

@@ -8,7 +8,7 @@ use crate::accel::ray::TreeRay;
 use crate::math::Ray;
 
 use super::avx2::{Avx2, sort4};
-use super::block::Block;
+use super::block::{Block, LANES};
 use super::decide::decide;
 use super::kernel::{Kernel, PREPARED, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
@@ -71,7 +71,7 @@ impl Kernel<16> for Avx512 {
                 inverse: three(ray.inverse),
                 near: three(ray.near),
                 far: three(ray.far),
-                start: all(start.max(0.0)),
+                start: all(start),
                 near_at: Node::<16>::FIRST[negative],
                 far_at: Node::<16>::FIRST[7 - negative],
             }
@@ -147,7 +147,13 @@ impl Kernel<16> for Avx512 {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32 {
+    fn candidates(
+        self,
+        block: &Block,
+        ray: &TreeRay,
+        start: f32,
+        limit: f32,
+    ) -> (u32, [f32; LANES]) {
         self.triangles.candidates(block, ray, start, limit)
     }
 }
@@ -161,11 +167,11 @@ impl Avx512 {
             let base = (&raw const *node).cast::<u8>();
             let near = |axis: usize| {
                 let planes = _mm512_loadu_ps(base.add(boxes.near_at[axis]).cast());
-                _mm512_fmsub_ps(planes, boxes.inverse[axis], boxes.near[axis])
+                _mm512_fmadd_ps(planes, boxes.inverse[axis], boxes.near[axis])
             };
             let far = |axis: usize| {
                 let planes = _mm512_loadu_ps(base.add(boxes.far_at[axis]).cast());
-                _mm512_fmsub_ps(planes, boxes.inverse[axis], boxes.far[axis])
+                _mm512_fmadd_ps(planes, boxes.inverse[axis], boxes.far[axis])
             };
             let enter = _mm512_max_ps(
                 _mm512_max_ps(near(0), near(1)),

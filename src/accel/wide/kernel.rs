@@ -7,7 +7,7 @@ use crate::accel::triangle::Triangle;
 use crate::math::Ray;
 
 use super::Walk;
-use super::block::Block;
+use super::block::{Block, LANES};
 use super::node::{LEAF, NONE, Node};
 use super::packet::{GROUP, Met, PACKET, Points, Window};
 
@@ -186,8 +186,15 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         })
     }
 
-    /// A bit for each triangle that is not certainly missed, or certainly hit before `start` or beyond `limit`.
-    fn candidates(self, block: &Block, ray: &TreeRay, start: f32, limit: f32) -> u32;
+    /// A bit for each triangle that is not certainly missed, or certainly hit before `start` or beyond `limit`; and for
+    /// each how far its farthest corner is, forward or backward along the ray's longest axis.
+    fn candidates(
+        self,
+        block: &Block,
+        ray: &TreeRay,
+        start: f32,
+        limit: f32,
+    ) -> (u32, [f32; LANES]);
 }
 
 /// The way of a ray through a tree. It is no function that calls another at each leaf: such a call may not be inlined,

@@ -58,7 +58,13 @@ impl<const N: usize> Kernel<N> for Portable {
     }
 
     #[inline(always)]
-    fn candidates(self, block: &Block, ray: &TreeRay, _start: f32, _limit: f32) -> u32 {
+    fn candidates(
+        self,
+        block: &Block,
+        ray: &TreeRay,
+        _start: f32,
+        _limit: f32,
+    ) -> (u32, [f32; LANES]) {
         let (scale, least) = ray.doubt();
         let mut size = [0.0_f32; LANES];
         let mut corners = [[[0.0; LANES]; 2]; 3];
@@ -82,7 +88,7 @@ impl<const N: usize> Kernel<N> for Portable {
             let inside = u.min(v).min(w) >= -doubt || u.max(v).max(w) <= doubt;
             mask |= u32::from(inside) << lane;
         }
-        mask
+        (mask, [f32::INFINITY; LANES])
     }
 }
 
@@ -96,8 +102,8 @@ fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N],
         let sign = (ray.negative >> axis & 1) as usize;
         let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
         for lane in 0..N {
-            let near = near[lane] * ray.inverse[axis] - ray.near[axis];
-            let far = far[lane] * ray.inverse[axis] - ray.far[axis];
+            let near = near[lane] * ray.inverse[axis] + ray.near[axis];
+            let far = far[lane] * ray.inverse[axis] + ray.far[axis];
             // What is not a number says nothing.
             enter[lane] = if near > enter[lane] {
                 near

@@ -70,8 +70,9 @@ pub(super) unsafe fn prepare(
             signed(_mm256_min_ps(inverse, _mm256_set1_ps(STEEPEST)), d)
         };
         let (ix, iy, iz) = (inverse(dx), inverse(dy), inverse(dz));
-        let near = |o, d, i| _mm256_mul_ps(_mm256_add_ps(o, signed(slack, d)), i);
-        let far = |o, d, i| _mm256_mul_ps(_mm256_sub_ps(o, signed(slack, d)), i);
+        let opposite = |i| _mm256_xor_ps(i, sign);
+        let near = |o, d, i| _mm256_mul_ps(_mm256_add_ps(o, signed(slack, d)), opposite(i));
+        let far = |o, d, i| _mm256_mul_ps(_mm256_sub_ps(o, signed(slack, d)), opposite(i));
         let inverses = columns(ix, iy, iz, iz);
         let nears = columns(near(ox, dx, ix), near(oy, dy, iy), near(oz, dz, iz), iz);
         let fars = columns(far(ox, dx, ix), far(oy, dy, iy), far(oz, dz, iz), iz);
@@ -150,15 +151,15 @@ pub(super) unsafe fn prepare_one(ray: &Ray, center: DVec3, extent: f32) -> TreeR
         let slack = _mm_mul_ps(_mm_set1_ps(SLACK), _mm_add_ps(reach, _mm_set1_ps(extent)));
         let inverse = _mm_div_ps(_mm_set1_ps(1.0), abs(direction));
         let inverse = signed(_mm_min_ps(inverse, _mm_set1_ps(STEEPEST)));
-        let outward = signed(slack);
+        let (outward, opposite) = (signed(slack), _mm_xor_ps(inverse, sign));
         let turn = _mm_loadu_si128(TURNS[axis].as_ptr().cast());
         let seen = _mm_permutevar_ps(direction, turn);
         let across = _mm_permute_ps::<0b10_10_10_10>(_mm_permutevar_ps(inverse, turn));
         let [i, j, k, _] = TURNS[axis];
         TreeRay {
             inverse: inverse.into(),
-            near: _mm_mul_ps(_mm_add_ps(from, outward), inverse).into(),
-            far: _mm_mul_ps(_mm_sub_ps(from, outward), inverse).into(),
+            near: _mm_mul_ps(_mm_add_ps(from, outward), opposite).into(),
+            far: _mm_mul_ps(_mm_sub_ps(from, outward), opposite).into(),
             origin: _mm_permutevar_ps(from, turn).into(),
             shear: _mm_blend_ps::<0b0100>(_mm_mul_ps(seen, across), seen).into(),
             axes: [i, j, k],

@@ -121,12 +121,17 @@ struct Turns {
 
 impl Turns {
     /// Written to both lists, of which one grows: rays go either way at random, and a branch would cost more.
+    ///
+    /// # Safety
+    /// No more than [`RAYS`] slots have turns.
     #[inline(always)]
-    fn put(&mut self, slot: u8, link: u32) {
+    unsafe fn put(&mut self, slot: u8, link: u32) {
         let leaf = (link >> 31) as usize;
-        self.at_node[self.nodes] = slot;
+        unsafe {
+            *self.at_node.get_unchecked_mut(self.nodes) = slot;
+            *self.at_leaf.get_unchecked_mut(self.leaves) = slot;
+        }
         self.nodes += 1 - leaf;
-        self.at_leaf[self.leaves] = slot;
         self.leaves += leaf;
     }
 }
@@ -184,10 +189,7 @@ impl<const N: usize> Slot<'_, N> {
         let Some(leaves) = self.entrant.root.leaves else {
             return;
         };
-        let nodes = (
-            self.entrant.root.walk.nodes.as_ptr().cast::<u8>(),
-            STEP,
-        );
+        let nodes = (self.entrant.root.walk.nodes.as_ptr().cast::<u8>(), STEP);
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
         let place = base.wrapping_add((self.link & !LEAF) as usize * size);
         for line in 0..LINES {
@@ -258,10 +260,10 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
             return;
         }
         for k in 0..std::mem::take(&mut turns.nodes) {
-            let i = turns.at_node[k];
-            // SAFETY: only slots with rays have turns. Links lead to nodes of the slot's tree, and stacks are never
+            // SAFETY: only slots with rays have turns, one each. Links lead to nodes of the slot's tree, and stacks are never
             // fuller than trees are built for.
             unsafe {
+                let i = *turns.at_node.get_unchecked(k);
                 let slot = &mut *slots.add(i as usize);
                 let Entrant {
                     ray,
@@ -272,17 +274,19 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                 let node = root.walk.node(slot.link);
                 let boxes = kernel.boxes(ray, *start);
                 let limit = *limit;
-                let top = slot.top().add(slot.len + 1);
-                slot.len += kernel.push(node, &boxes, limit, top);
-                slot.pop();
+                let len = slot.len;
+                let top = slot.top().add(len + 1);
+                let len = len + kernel.push(node, &boxes, limit, top);
+                slot.link = *slot.top().add(len) as u32;
+                slot.len = len.wrapping_sub(1);
                 slot.fetch();
                 turns.put(i, slot.link);
             }
         }
         for k in 0..std::mem::take(&mut turns.leaves) {
-            let i = turns.at_leaf[k];
             // SAFETY: as above; all entries up to `len` were written.
             unsafe {
+                let i = *turns.at_leaf.get_unchecked(k);
                 let slot = &mut *slots.add(i as usize);
                 loop {
                     if slot.link == DONE && slot.floor == 0 {
