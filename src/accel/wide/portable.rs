@@ -1,4 +1,6 @@
-//! Plain Rust that compilers turn into whatever vectors there are; for any ray, also one that f32 cannot hold.
+//! Four lanes at a time, with the vectors that every processor of a family has; for any ray, also one that f32 cannot hold.
+
+use glam::Vec4;
 
 use crate::accel::ray::TreeRay;
 use crate::math::Ray;
@@ -26,7 +28,15 @@ impl<const N: usize> Kernel<N> for Portable {
 
     #[inline(always)]
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
-        Boxes { ray: *ray, start }
+        let mut ray = *ray;
+        for axis in 0..3 {
+            // Too far away for f32, the axis says nothing: a box then begins before all others and ends behind them.
+            if !(ray.near[axis].is_finite() && ray.far[axis].is_finite()) {
+                ray.inverse[axis] = f32::MIN_POSITIVE.copysign(ray.inverse[axis]);
+                (ray.near[axis], ray.far[axis]) = (f32::MIN, f32::MAX);
+            }
+        }
+        Boxes { ray, start }
     }
 
     #[inline(always)]
@@ -65,61 +75,60 @@ impl<const N: usize> Kernel<N> for Portable {
         _start: f32,
         _limit: f32,
     ) -> (u32, [f32; LANES]) {
-        let (scale, least) = ray.doubt();
-        let mut size = [0.0_f32; LANES];
-        let mut corners = [[[0.0; LANES]; 2]; 3];
-        let [x, y, z] = ray.axes.map(|axis| axis as usize);
-        for (p, planes) in corners.iter_mut().zip(&block.corners) {
-            for lane in 0..LANES {
-                let z = planes[z][lane] - ray.origin[2];
-                p[0][lane] = planes[x][lane] - ray.origin[0] - z * ray.shear[0];
-                p[1][lane] = planes[y][lane] - ray.origin[1] - z * ray.shear[1];
-                size[lane] = size[lane].max(p[0][lane].abs()).max(p[1][lane].abs());
-            }
-        }
-        let [a, b, c] = corners;
         let mut mask = 0;
-        for lane in 0..LANES {
-            let edge = |p: &[[f32; LANES]; 2], q: &[[f32; LANES]; 2]| {
-                q[0][lane] * p[1][lane] - q[1][lane] * p[0][lane]
-            };
-            let (u, v, w) = (edge(&b, &c), edge(&c, &a), edge(&a, &b));
-            let doubt = scale * size[lane] + least;
-            let inside = u.min(v).min(w) >= -doubt || u.max(v).max(w) <= doubt;
-            mask |= u32::from(inside) << lane;
+        for from in (0..LANES).step_by(4) {
+            mask |= candidates(block, ray, from) << from;
         }
         (mask, [f32::INFINITY; LANES])
     }
+}
+
+/// A bit for each of four triangles, from number `from` on, that is not certainly missed.
+#[inline(always)]
+fn candidates(block: &Block, ray: &TreeRay, from: usize) -> u32 {
+    let [x, y, z] = ray.axes.map(|axis| axis as usize);
+    let corner = |corner: usize| {
+        let planes = &block.corners[corner];
+        let along = |axis: usize, origin: f32| {
+            Vec4::from_slice(&planes[axis][from..]) - Vec4::splat(origin)
+        };
+        let z = along(z, ray.origin.z);
+        (
+            along(x, ray.origin.x) - z * ray.shear.x,
+            along(y, ray.origin.y) - z * ray.shear.y,
+        )
+    };
+    let ((ax, ay), (bx, by), (cx, cy)) = (corner(0), corner(1), corner(2));
+    let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+    let most = |a: Vec4, b: Vec4, c: Vec4| a.max(b).max(c);
+    let size = most(ax.abs(), bx.abs(), cx.abs()).max(most(ay.abs(), by.abs(), cy.abs()));
+    let (scale, least) = ray.doubt();
+    let doubt = size * scale + Vec4::splat(least);
+    // What is not a number misses nothing; only a lane without a triangle holds none.
+    let missed = u.min(v).min(w).cmplt(-doubt) & most(u, v, w).cmpgt(doubt);
+    let held = Vec4::from_slice(&block.corners[0][0][from..]);
+    (held.cmpeq(held) & !missed).bitmask()
 }
 
 /// Where the ray enters the boxes, at least 0, and a bit for each that it meets.
 #[inline(always)]
 fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N], u32) {
     let ray = &boxes.ray;
-    let mut enter = [boxes.start; N];
-    let mut leave = [limit; N];
-    for axis in 0..3 {
-        let sign = (ray.negative >> axis & 1) as usize;
-        let (near, far) = (&node.planes[sign][axis], &node.planes[1 - sign][axis]);
-        for lane in 0..N {
-            let near = near[lane] * ray.inverse[axis] + ray.near[axis];
-            let far = far[lane] * ray.inverse[axis] + ray.far[axis];
-            // What is not a number says nothing.
-            enter[lane] = if near > enter[lane] {
-                near
-            } else {
-                enter[lane]
-            };
-            leave[lane] = if far < leave[lane] { far } else { leave[lane] };
+    let (mut enter, mut mask) = ([0.0; N], 0);
+    for from in (0..N).step_by(4) {
+        let (mut first, mut last) = (Vec4::splat(boxes.start), Vec4::splat(limit));
+        for axis in 0..3 {
+            let sign = (ray.negative >> axis & 1) as usize;
+            let plane = |side: usize| Vec4::from_slice(&node.planes[side][axis][from..]);
+            let inverse = ray.inverse[axis];
+            first = first.max(plane(sign) * inverse + Vec4::splat(ray.near[axis]));
+            last = last.min(plane(1 - sign) * inverse + Vec4::splat(ray.far[axis]));
         }
-    }
-    let mut met = [0; N];
-    for lane in 0..N {
-        met[lane] = u32::from(enter[lane] <= leave[lane]) << lane;
+        mask |= first.cmple(last).bitmask() << from;
         // Behind the origin there is no order.
-        enter[lane] = enter[lane].max(0.0);
+        first.max(Vec4::ZERO).write_to_slice(&mut enter[from..]);
     }
-    (enter, met.iter().fold(0, |all, bit| all | bit))
+    (enter, mask)
 }
 
 /// Writes the children in `mask` to `top`, far ones first; returns how many.
