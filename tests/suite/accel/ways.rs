@@ -226,3 +226,38 @@ fn rays_that_leave_surfaces_meet_the_same_by_every_kernel_and_in_batches() {
         }
     }
 }
+
+#[test]
+fn rays_along_an_axis_meet_from_any_distance_what_they_meet_from_near() {
+    let mesh = [bumpy_sphere(9)];
+    let lone = vec![placed(Shape::Mesh(MeshId(0)), DAffine3::IDENTITY)];
+    let mut rng = Pcg64Mcg::seed_from_u64(33);
+    let mut near = Vec::new();
+    for _ in 0..600 {
+        let (x, y) = (rng.random_range(-1.2..1.2), rng.random_range(-1.2..1.2));
+        near.push(Ray::new(DVec3::new(x, y, 16.0), DVec3::NEG_Z));
+    }
+    for kernel in Kernel::available() {
+        let options = AccelOptions {
+            kernel,
+            ..AccelOptions::default()
+        };
+        let accel = Accel::build_with(&mesh, &[], lone.clone(), options).unwrap();
+        let met = |ray: &Ray| accel.intersect(ray).is_some();
+        assert!((150..500).contains(&near.iter().filter(|ray| met(ray)).count()));
+        // Within what f32 holds, within what its products hold, and beyond either.
+        for distance in [1e10, 3e18, 1e19, 1e25, 1e37, 1e39, 1e150, 1e300] {
+            for ray in &near {
+                let far = Ray::new(ray.origin.with_z(distance), ray.direction);
+                let hit = accel.intersect(&far);
+                assert_eq!(hit.is_some(), met(ray), "{kernel:?}, {far:?}");
+                if let Some(hit) = hit {
+                    assert!(
+                        (hit.t - distance).abs() <= 2.0 + 1e-15 * distance,
+                        "{hit:?}"
+                    );
+                }
+            }
+        }
+    }
+}
