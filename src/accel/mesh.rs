@@ -153,7 +153,7 @@ impl MeshTree {
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         let task = Any { mesh: self, ray };
-        (self.tree.run(task)).unwrap_or_else(|| self.tree.run_portable(task).is_some_and(|met| met))
+        (self.tree.run(task)).unwrap_or_else(|| self.tree.run_portable(task) == Some(true))
     }
 
     /// Where rays enter.
@@ -183,7 +183,7 @@ impl MeshTree {
         if mask == 0 {
             return f32::INFINITY;
         }
-        let end = if mask & (mask - 1) == 0 {
+        let end = if mask.is_power_of_two() {
             (at.local).box_end(reach[mask.trailing_zeros() as usize & (LANES - 1)])
         } else {
             f32::INFINITY
@@ -237,7 +237,7 @@ impl MeshTree {
                     break;
                 }
                 at.limit = if end < f32::INFINITY {
-                    end
+                    at.limit.min(end)
                 } else {
                     local.box_limit(limit)
                 };

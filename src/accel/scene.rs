@@ -142,14 +142,14 @@ impl Accel {
             _ => None,
         };
         Ok(Self {
-            bounds,
-            spaces,
             meshes,
             csgs,
             placed,
+            spaces,
             tree,
             always,
             lone,
+            bounds,
         })
     }
 

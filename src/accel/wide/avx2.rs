@@ -189,9 +189,9 @@ impl Kernel<8> for Avx2 {
             let beyond = _mm256_fmadd_ps(all(limit * unit), area, off);
             let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, beyond);
             let mask = _mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside);
-            let mut at = [0.0; LANES];
-            _mm256_storeu_ps(at.as_mut_ptr(), reach);
-            (_mm256_movemask_ps(mask) as u32, at)
+            let mut depths = [0.0; LANES];
+            _mm256_storeu_ps(depths.as_mut_ptr(), reach);
+            (_mm256_movemask_ps(mask) as u32, depths)
         }
     }
 }
