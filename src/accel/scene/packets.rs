@@ -180,6 +180,7 @@ impl<A: Answers, const N: usize> InMesh<'_, '_, '_, A, N> {
         } = &mut *self.party;
         fill.count(1);
         let (walk, limit) = (self.root.walk.below(link), &mut limits[i]);
+        // The kernel takes it: the packet would have no seat before the tree otherwise.
         (self.mesh).walk(kernel, walk, &rays[i], *limit, |hit, primitive| {
             let hit = Hit::of_triangle(&hit, primitive, self.instance);
             answers.offer(*first + i, hit, limit);
