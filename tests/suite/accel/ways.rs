@@ -6,8 +6,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use solidtrace::accel::{Accel, AccelOptions, Hit, Kernel, Placed};
-use solidtrace::geometry::{Mesh, MeshId, Shape, Solid};
-use solidtrace::math::Ray;
+use solidtrace::geometry::{Csg, CsgId, CsgOp, Mesh, MeshId, Operand, Shape, Solid};
+use solidtrace::math::{Ray, Transform};
 use solidtrace::scene::{Scene, SceneDescription};
 
 use super::{crowd, in_every_way, placed, random_direction};
@@ -259,5 +259,26 @@ fn rays_along_an_axis_meet_from_any_distance_what_they_meet_from_near() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn a_mesh_beside_an_empty_shape_keeps_its_number() {
+    let mut nothing = Csg::default();
+    for x in [-5.0, 5.0] {
+        let place = Transform::new(DAffine3::from_translation(DVec3::X * x)).unwrap();
+        nothing.push(Operand::Solid(Solid::Sphere { radius: 1.0 }), &place, 0..1);
+    }
+    nothing.combine(CsgOp::Intersection, 2);
+    let crowd = [Shape::Csg(CsgId(0)), Shape::Mesh(MeshId(0))];
+    let crowd = crowd
+        .map(|shape| placed(shape, DAffine3::IDENTITY))
+        .to_vec();
+    let accel = Accel::build(&[bumpy_sphere(9)], &[nothing], crowd).unwrap();
+    let ray = Ray::new(DVec3::Z * 9.0, DVec3::NEG_Z);
+    let mut together = [None];
+    accel.intersect_batch(&[ray], &mut together);
+    for hit in [accel.intersect(&ray), together[0]] {
+        assert_eq!(hit.map(|hit| hit.instance), Some(1));
     }
 }
