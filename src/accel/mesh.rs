@@ -168,38 +168,39 @@ impl MeshTree {
         }
     }
 
-    /// Offers the hits of the ray, of the mesh's space, with the triangles of a leaf. If there is one, it lies at most at
-    /// what is returned, in units of the box test: that is known long before the hit itself.
+    /// A bit for each triangle of a leaf that the ray may hit, and how far its farthest corner is.
     #[inline(always)]
-    pub(super) fn visit<K: Kernel<N>, const N: usize>(
+    pub(super) fn look<K: Kernel<N>, const N: usize>(
         &self,
         kernel: K,
         at: &AtLeaf<'_>,
         leaf: u32,
+    ) -> (u32, [f32; LANES]) {
+        kernel.candidates(&self.leaves[leaf as usize], at.local, at.start, at.limit)
+    }
+
+    /// Offers the hits of the ray, of the mesh's space, with the triangles in `mask` of a leaf.
+    #[inline(always)]
+    pub(super) fn visit(
+        &self,
+        ray: &Ray,
+        local: &TreeRay,
+        leaf: u32,
+        mut mask: u32,
         mut offer: impl FnMut(TriangleHit, u32),
-    ) -> f32 {
+    ) {
         let block = &self.leaves[leaf as usize];
-        let (mut mask, reach) = kernel.candidates(block, at.local, at.start, at.limit);
-        if mask == 0 {
-            return f32::INFINITY;
-        }
-        let end = if mask.is_power_of_two() {
-            (at.local).box_end(reach[mask.trailing_zeros() as usize & (LANES - 1)])
-        } else {
-            f32::INFINITY
-        };
-        let exact = at.local.exact(at.ray, self.center);
+        let exact = local.exact(ray, self.center);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & (LANES - 1);
             mask &= mask - 1;
-            let corners = block.corners_along(lane, at.local.axes);
+            let corners = block.corners_along(lane, local.axes);
             if let Some(hit) = Triangle::intersect(&exact, corners)
-                && hit.t > at.ray.tmin
+                && hit.t > ray.tmin
             {
                 offer(hit, block.primitives[lane]);
             }
         }
-        end
     }
 
     /// Takes the ray, of the mesh's space, through the tree or a part of it. `offer` gets its hits and answers with where
@@ -219,7 +220,6 @@ impl MeshTree {
         }
         let start = local.box_start(ray.tmin);
         let mut at = AtLeaf {
-            ray,
             local: &local,
             start,
             limit: local.box_limit(tmax),
@@ -228,14 +228,24 @@ impl MeshTree {
         let mut stack = stack();
         let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
         while let Some(leaf) = descent.next(at.limit) {
+            let (mask, reach) = self.look(kernel, &at, leaf);
+            if mask == 0 {
+                continue;
+            }
             let before = limit;
-            let end = self.visit(kernel, &at, leaf, |hit, primitive| {
+            self.visit(ray, &local, leaf, mask, |hit, primitive| {
                 limit = offer(hit, primitive);
             });
             if limit != before {
                 if limit == ENOUGH {
                     break;
                 }
+                // A hit lies before its triangle's farthest corner: that is known long before where it lies.
+                let end = if mask.is_power_of_two() {
+                    local.box_end(reach[mask.trailing_zeros() as usize & (LANES - 1)])
+                } else {
+                    f32::INFINITY
+                };
                 at.limit = if end < f32::INFINITY {
                     at.limit.min(end)
                 } else {
@@ -258,7 +268,7 @@ impl MeshTree {
         mut offer: impl FnMut(&mut Packet, usize, TriangleHit, u32),
     ) {
         let block = &self.leaves[leaf as usize];
-        let (windows, mut seen) = packet.triangle_windows(seat, &block.corners);
+        let (windows, mut seen) = packet.triangle_windows(seat, &block.planes);
         while seen != 0 {
             let lane = seen.trailing_zeros() as usize & (LANES - 1);
             seen &= seen - 1;
@@ -359,10 +369,8 @@ impl MeshTree {
     }
 }
 
-/// A ray at a leaf: in the mesh's space, made ready for the tree and for its triangles, on its way to `limit` in units
-/// of the box test.
+/// A ray at a leaf, made ready for the tree, from `start` to `limit` in units of the box test.
 pub(super) struct AtLeaf<'a> {
-    pub ray: &'a Ray,
     pub local: &'a TreeRay,
     pub start: f32,
     pub limit: f32,
@@ -375,7 +383,7 @@ pub(super) const ENOUGH: f64 = f64::NEG_INFINITY;
 const NEAR: f64 = 4.0;
 
 /// Trees of so many bytes are read from afar, and asking ahead pays.
-const FAR: usize = 16 << 20;
+const FAR: usize = 2 << 20;
 
 /// The numbers below `count` that are not in `kept`, which ascends.
 fn left_out(kept: &[u32], count: u32) -> Vec<u32> {

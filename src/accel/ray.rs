@@ -22,6 +22,8 @@ pub(super) struct TreeRay {
     /// More than any rounding of a coordinate in the f32 tests: rounding the origin, subtracting it,
     /// and the shear cost less than 12 units of 2^-24 of the largest distance that matters.
     pub slack: f32,
+    /// How far an f32 edge function may be off for each unit that a sheared coordinate may be long: [`TreeRay::doubt`].
+    pub scale: f32,
     /// A power of two: boxes and `inverse` use the direction over `unit`, so that f32 can hold it.
     pub unit: f64,
 }
@@ -49,6 +51,12 @@ pub(super) const STEEPEST: f32 = (1_u64 << 40) as f32;
 pub(super) const UNITS: [f64; 2] = [f64::MIN_POSITIVE, 0.25 / f64::MIN_POSITIVE];
 
 pub(super) const SLACK: f32 = 1.0 / (1 << 20) as f32;
+
+/// Of an edge function's two products each factor is off by a slack: four, and more than all rounding.
+pub(super) const EDGE: f32 = 6.0;
+
+/// See [`TreeRay::depths`].
+pub(super) const OFF: f32 = 8.0;
 
 impl TreeRay {
     /// `extent` is the largest distance along an axis from `center` to what the tree holds.
@@ -83,6 +91,7 @@ impl TreeRay {
             axes,
             negative: direction.is_negative_bitmask(),
             slack,
+            scale: EDGE * slack,
             unit,
         }
     }
@@ -106,13 +115,28 @@ impl TreeRay {
         (self.slack < MOST) & (ray.tmin >= 0.0)
     }
 
-    /// How far an f32 edge function of a triangle may be off, as `scale * size + least`, where no sheared coordinate
-    /// is beyond ±size: each is within `slack` of its true value, and products may underflow.
+    /// How far an f32 edge function of a triangle may be off where no sheared coordinate is beyond ±size: each is
+    /// within `slack` of its true value, and products may underflow.
     #[inline(always)]
-    pub(super) fn doubt(&self) -> (f32, f32) {
+    pub(super) fn doubt(&self, size: f32) -> f32 {
+        self.scale * (size + self.slack) + f32::MIN_POSITIVE
+    }
+
+    /// Between which depths along the third axis hits of a triangle may lie, of a ray from `start` to `limit` in the units
+    /// of the box test.
+    ///
+    /// The kernels' test compares these times the triangle's area with its moment `u a.z + v b.z + w c.z`. What is off
+    /// in proportion to the area is taken care of here: each depth by the slack, and of both sums the rounding, less than
+    /// 6 units of 2^-24 of the largest distance. What edge functions are off, by `doubt` each, is left: three times in
+    /// the moment, and three times in the area, times the depth of the hit, which no corner's is below. That is [`OFF`]
+    /// doubts times the depth of the farthest corner, and with its own slack six slacks more, which are
+    /// `scale`.
+    #[inline(always)]
+    pub(super) fn depths(&self, start: f32, limit: f32) -> (f32, f32) {
+        let unit = self.shear.z.abs();
         (
-            5.0 * self.slack,
-            2.0 * self.slack * self.slack + f32::MIN_POSITIVE,
+            start * unit - 2.0 * self.slack,
+            limit * unit + 2.0 * self.slack,
         )
     }
 

@@ -107,8 +107,7 @@ impl Triangle {
         let [a, b, c] = p;
         let edge = |p: Vec2, q: Vec2| q.x * p.y - q.y * p.x;
         let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-        let (scale, least) = ray.doubt();
-        let doubt = scale * size + least;
+        let doubt = ray.doubt(size);
         u.min(v).min(w) < -doubt && u.max(v).max(w) > doubt
     }
 

@@ -246,12 +246,32 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
     }
 
     #[inline(always)]
+    fn look<K: Kernel<N>>(
+        &self,
+        kernel: K,
+        slot: usize,
+        entrant: &Entrant<'a, N>,
+        leaf: u32,
+    ) -> u32 {
+        let Some((mesh, _)) = self.slots[slot].mesh else {
+            return u32::MAX;
+        };
+        let at = AtLeaf {
+            local: &entrant.ray,
+            start: entrant.start,
+            limit: entrant.limit,
+        };
+        mesh.look(kernel, &at, leaf).0
+    }
+
+    #[inline(always)]
     fn visit<K: Kernel<N>>(
         &mut self,
         kernel: K,
         slot: usize,
         entrant: &Entrant<'a, N>,
         leaf: u32,
+        found: u32,
     ) -> Next<'a, N> {
         let Stream {
             accel,
@@ -262,14 +282,9 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
         let flight = &mut self.slots[slot];
         let (before, ray) = (flight.limit, &rays[flight.index]);
         if let Some((mesh, instance)) = flight.mesh {
-            let at = AtLeaf {
-                ray: flight.moved.as_ref().unwrap_or(ray),
-                local: &entrant.ray,
-                start: entrant.start,
-                limit: entrant.limit,
-            };
+            let local = flight.moved.as_ref().unwrap_or(ray);
             let mut met = false;
-            mesh.visit(kernel, &at, leaf, |hit, primitive| {
+            mesh.visit(local, &entrant.ray, leaf, found, |hit, primitive| {
                 let hit = Hit::of_triangle(&hit, primitive, instance);
                 answers.offer(flight.index, hit, &mut flight.limit);
                 met = true;

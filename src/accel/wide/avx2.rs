@@ -4,11 +4,11 @@ use std::arch::x86_64::*;
 
 use glam::{DVec3, Vec3A};
 
-use crate::accel::ray::TreeRay;
+use crate::accel::ray::{OFF, TreeRay};
 use crate::math::Ray;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
+use super::kernel::{Aligned, Kernel, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 use super::packet::{PACKET, Points, Window};
 use super::prepare::prepare_one;
@@ -71,11 +71,11 @@ impl Kernel<8> for Avx2 {
         stack: &mut Stack,
         len: &mut usize,
     ) -> u32 {
-        let (enter, mask) = self.meet(node, boxes, limit);
+        let (enter, mask) = self.entered(node, boxes, limit);
         if are_few(mask) {
-            let mut at = [0.0; 8];
+            let mut at = Aligned([0.0; 8]);
             // SAFETY: see `new`.
-            unsafe { _mm256_storeu_ps(at.as_mut_ptr(), enter) };
+            unsafe { _mm256_store_ps(at.0.as_mut_ptr(), enter) };
             return enter_few(node, &at, mask, stack, len);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
@@ -88,9 +88,16 @@ impl Kernel<8> for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn push(self, node: &Node<8>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
-        let (enter, mask) = self.meet(node, boxes, limit);
-        unsafe { self.sorted(node, enter, mask, top) }
+    fn meet(self, node: &Node<8>, boxes: &Boxes, limit: f32, at: &mut Aligned<8>) -> u32 {
+        let (enter, mask) = self.entered(node, boxes, limit);
+        // SAFETY: see `new`.
+        unsafe { _mm256_store_ps(at.0.as_mut_ptr(), enter) };
+        mask
+    }
+
+    #[inline(always)]
+    unsafe fn sort(self, node: &Node<8>, at: &Aligned<8>, mask: u32, top: *mut Waiting) -> usize {
+        unsafe { self.sorted(node, _mm256_load_ps(at.0.as_ptr()), mask, top) }
     }
 
     #[inline(always)]
@@ -133,16 +140,17 @@ impl Kernel<8> for Avx2 {
         unsafe {
             let ray = &*opaque(ray);
             let all = |x: f32| _mm256_set1_ps(x);
+            let planes = ray.axes.map(|axis| {
+                (&raw const block.planes[0])
+                    .wrapping_add(axis as usize)
+                    .cast::<f32>()
+            });
             let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
             let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
-            let [at_x, at_y, at_z] = ray
-                .axes
-                .map(|axis| axis as usize * LANES * size_of::<f32>());
             let corner = |corner: usize| {
-                let base = (&raw const block.corners[corner]).cast::<u8>();
-                let z = _mm256_sub_ps(_mm256_load_ps(base.add(at_z).cast()), oz);
-                let x = _mm256_sub_ps(_mm256_load_ps(base.add(at_x).cast()), ox);
-                let y = _mm256_sub_ps(_mm256_load_ps(base.add(at_y).cast()), oy);
+                let [x, y, z] = planes.map(|plane| _mm256_load_ps(plane.add(LANES * corner)));
+                let z = _mm256_sub_ps(z, oz);
+                let (x, y) = (_mm256_sub_ps(x, ox), _mm256_sub_ps(y, oy));
                 (_mm256_fnmadd_ps(z, sx, x), _mm256_fnmadd_ps(z, sy, y), z)
             };
             let (ax, ay, az) = corner(0);
@@ -158,9 +166,7 @@ impl Kernel<8> for Avx2 {
                 most(abs(ax), abs(bx), abs(cx)),
                 most(abs(ay), abs(by), abs(cy)),
             );
-            // At least `TreeRay::doubt`.
-            let slack = all(ray.slack);
-            let scale = _mm256_mul_ps(slack, all(5.0));
+            let (slack, scale) = (all(ray.slack), all(ray.scale));
             let doubt = _mm256_fmadd_ps(scale, _mm256_add_ps(size, slack), all(f32::MIN_POSITIVE));
             // False where the lane holds no triangle.
             let inside = _mm256_or_ps(
@@ -176,17 +182,12 @@ impl Kernel<8> for Avx2 {
             let turned = _mm256_and_ps(_mm256_xor_ps(area, all(ray.shear.z)), sign);
             let moment = _mm256_xor_ps(moment, turned);
             let area = abs(area);
-            // Each edge function may be off by the doubt, each depth by the slack, and sums by their rounding. No hit is
-            // farther than the farthest corner, so that is the largest distance that matters, wherever the ray starts or
-            // ends.
             let reach = most(abs(az), abs(bz), abs(cz));
-            let edges = _mm256_fmadd_ps(doubt, all(4.0), area);
-            let off = _mm256_mul_ps(_mm256_fmadd_ps(edges, all(ROUNDING), doubt), all(8.0));
-            let off = _mm256_fmadd_ps(off, reach, _mm256_mul_ps(edges, scale));
-            let unit = ray.shear.z.abs();
-            let behind = _mm256_fmsub_ps(all(start * unit), area, off);
+            let off = _mm256_mul_ps(doubt, _mm256_fmadd_ps(reach, all(OFF), scale));
+            let (start, limit) = ray.depths(start, limit);
+            let behind = _mm256_fmsub_ps(all(start), area, off);
             let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(moment, behind);
-            let beyond = _mm256_fmadd_ps(all(limit * unit), area, off);
+            let beyond = _mm256_fmadd_ps(all(limit), area, off);
             let beyond = _mm256_cmp_ps::<_CMP_GT_OQ>(moment, beyond);
             let mask = _mm256_andnot_ps(_mm256_or_ps(behind, beyond), inside);
             let mut depths = [0.0; LANES];
@@ -199,7 +200,7 @@ impl Kernel<8> for Avx2 {
 impl Avx2 {
     /// Where the ray enters the boxes, and a bit for each that it meets.
     #[inline(always)]
-    fn meet(self, node: &Node<8>, boxes: &Boxes, limit: f32) -> (__m256, u32) {
+    fn entered(self, node: &Node<8>, boxes: &Boxes, limit: f32) -> (__m256, u32) {
         // SAFETY: see `new`; planes are loaded from where they stand in the node.
         unsafe {
             let base = (&raw const *node).cast::<u8>();
@@ -263,7 +264,7 @@ impl Avx2 {
 /// `x`, of which the compiler no longer knows what it holds. It would fill registers with each number in `x` before a
 /// loop that has too few of them, and take each from memory after all.
 #[inline(always)]
-fn opaque<T>(mut x: *const T) -> *const T {
+pub(super) fn opaque<T>(mut x: *const T) -> *const T {
     // SAFETY: it does nothing.
     unsafe {
         std::arch::asm!("/* {0} */", inout(reg) x, options(nostack, preserves_flags, readonly));
@@ -321,6 +322,3 @@ static COMPRESS: [[u8; 8]; 256] = {
     }
     table
 };
-
-/// More than the relative rounding of the f32 sums here, and of shearing against the distance.
-const ROUNDING: f32 = 1.0 / (1 << 19) as f32;

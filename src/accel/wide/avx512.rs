@@ -4,13 +4,13 @@ use std::arch::x86_64::*;
 
 use glam::{DVec3, Vec3A};
 
-use crate::accel::ray::TreeRay;
+use crate::accel::ray::{OFF, TreeRay};
 use crate::math::Ray;
 
-use super::avx2::{Avx2, sort4};
+use super::avx2::{Avx2, opaque, sort4};
 use super::block::{Block, LANES};
 use super::decide::decide;
-use super::kernel::{Kernel, PREPARED, Stack, Waiting, are_few, enter_few};
+use super::kernel::{Aligned, Kernel, PREPARED, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 use super::packet::{GROUP, Met, PACKET, Points, Window};
 use super::prepare::prepare;
@@ -64,6 +64,7 @@ impl Kernel<16> for Avx512 {
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
         // SAFETY: see `new`.
         unsafe {
+            let ray = &*opaque(ray);
             let all = |x: f32| _mm512_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
             let negative = ray.negative as usize & 7;
@@ -87,14 +88,14 @@ impl Kernel<16> for Avx512 {
         stack: &mut Stack,
         len: &mut usize,
     ) -> u32 {
-        let (enter, mask) = self.meet(node, boxes, limit);
+        let (enter, mask) = self.entered(node, boxes, limit);
         if mask & mask.wrapping_sub(1) == 0 {
             return node.only(u32::from(mask));
         }
         if are_few(u32::from(mask)) {
-            let mut at = [0.0; 16];
+            let mut at = Aligned([0.0; 16]);
             // SAFETY: see `new`.
-            unsafe { _mm512_storeu_ps(at.as_mut_ptr(), enter) };
+            unsafe { _mm512_store_ps(at.0.as_mut_ptr(), enter) };
             return enter_few(node, &at, u32::from(mask), stack, len);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
@@ -107,9 +108,16 @@ impl Kernel<16> for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn push(self, node: &Node<16>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
-        let (enter, mask) = self.meet(node, boxes, limit);
-        unsafe { self.sorted(node, enter, mask, top) }
+    fn meet(self, node: &Node<16>, boxes: &Boxes, limit: f32, at: &mut Aligned<16>) -> u32 {
+        let (enter, mask) = self.entered(node, boxes, limit);
+        // SAFETY: see `new`.
+        unsafe { _mm512_store_ps(at.0.as_mut_ptr(), enter) };
+        u32::from(mask)
+    }
+
+    #[inline(always)]
+    unsafe fn sort(self, node: &Node<16>, at: &Aligned<16>, mask: u32, top: *mut Waiting) -> usize {
+        unsafe { self.sorted(node, _mm512_load_ps(at.0.as_ptr()), mask as u16, top) }
     }
 
     #[inline(always)]
@@ -154,14 +162,71 @@ impl Kernel<16> for Avx512 {
         start: f32,
         limit: f32,
     ) -> (u32, [f32; LANES]) {
-        self.triangles.candidates(block, ray, start, limit)
+        // SAFETY: see `new`; planes are loaded from where they stand in the block.
+        unsafe {
+            let ray = &*opaque(ray);
+            let all = |x: f32| _mm512_set1_ps(x);
+            let planes = ray.axes.map(|axis| {
+                (&raw const block.planes[0])
+                    .wrapping_add(axis as usize)
+                    .cast::<f32>()
+            });
+            let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
+            let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
+            // Two corners side by side.
+            let corners = |first: usize| {
+                let [x, y, z] = planes.map(|plane| _mm512_loadu_ps(plane.add(LANES * first)));
+                let z = _mm512_sub_ps(z, oz);
+                let (x, y) = (_mm512_sub_ps(x, ox), _mm512_sub_ps(y, oy));
+                (_mm512_fnmadd_ps(z, sx, x), _mm512_fnmadd_ps(z, sy, y), z)
+            };
+            // The upper half of one beside the lower half of another.
+            let beside = |upper, lower| _mm512_shuffle_f32x4::<0b01_00_11_10>(upper, lower);
+            let swapped = |x| beside(x, x);
+            let (abx, aby, abz) = corners(0);
+            let (bcx, bcy, bcz) = corners(1);
+            let (cax, cay) = (beside(bcx, abx), beside(bcy, aby));
+            let wu = _mm512_fmsub_ps(bcx, aby, _mm512_mul_ps(bcy, abx));
+            let vw = _mm512_fmsub_ps(abx, cay, _mm512_mul_ps(aby, cax));
+            let farther = |x, y| _mm512_range_ps::<FARTHER>(x, y);
+            let size = farther(farther(abx, aby), farther(bcx, bcy));
+            let size = farther(size, swapped(size));
+            let (slack, scale) = (all(ray.slack), all(ray.scale));
+            let (size, least) = (_mm512_add_ps(size, slack), all(f32::MIN_POSITIVE));
+            let doubt = _mm512_fmadd_ps(scale, size, least);
+            // False where the lane holds no triangle. Halves hold two edge functions of three each.
+            let (low, high) = (_mm512_min_ps(wu, vw), _mm512_max_ps(wu, vw));
+            let front = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(low, _mm512_fnmsub_ps(scale, size, least));
+            let back = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(high, doubt);
+            // From here on lower halves count. Distance times area, both positive for a hit ahead.
+            let (uw, cbz) = (swapped(wu), swapped(bcz));
+            let area = _mm512_add_ps(_mm512_add_ps(wu, vw), uw);
+            let moment = _mm512_fmadd_ps(vw, bcz, _mm512_mul_ps(wu, cbz));
+            let moment = _mm512_fmadd_ps(uw, abz, moment);
+            let sign = _mm512_set1_ps(-0.0);
+            let turned = _mm512_and_ps(_mm512_xor_ps(area, all(ray.shear.z)), sign);
+            let moment = _mm512_xor_ps(moment, turned);
+            let area = _mm512_andnot_ps(sign, area);
+            let reach = farther(farther(abz, bcz), cbz);
+            let off = _mm512_mul_ps(doubt, _mm512_fmadd_ps(reach, all(OFF), scale));
+            let (start, limit) = ray.depths(start, limit);
+            let first = _mm512_fmsub_ps(all(start), area, off);
+            let last = _mm512_fmadd_ps(all(limit), area, off);
+            let ahead = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(moment, first);
+            let within = _mm512_mask_cmp_ps_mask::<_CMP_NGT_UQ>(ahead, moment, last);
+            let (front, back) = (u32::from(front), u32::from(back));
+            let inside = front & front >> LANES | back & back >> LANES;
+            let mut depths = [0.0; LANES];
+            _mm256_storeu_ps(depths.as_mut_ptr(), _mm512_castps512_ps256(reach));
+            (inside & u32::from(within) & LOWER, depths)
+        }
     }
 }
 
 impl Avx512 {
     /// Where the ray enters the boxes, and a bit for each that it meets.
     #[inline(always)]
-    fn meet(self, node: &Node<16>, boxes: &Boxes, limit: f32) -> (__m512, u16) {
+    fn entered(self, node: &Node<16>, boxes: &Boxes, limit: f32) -> (__m512, u16) {
         // SAFETY: see `new`; planes are loaded from where they stand in the node.
         unsafe {
             let base = (&raw const *node).cast::<u8>();
@@ -246,3 +311,9 @@ unsafe fn sort16(mut a: __m512i) -> __m512i {
     }
     a
 }
+
+/// The mask of the lower half of 16 lanes.
+const LOWER: u32 = (1 << LANES) - 1;
+
+/// Of two numbers the size of that which is farther from 0.
+const FARTHER: i32 = 0b10_11;

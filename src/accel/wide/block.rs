@@ -6,12 +6,13 @@ use crate::accel::triangle::Triangle;
 /// Triangles that a leaf holds at most.
 pub(in crate::accel) const LANES: usize = 8;
 
-/// A leaf's triangles, relative to the tree's centre, as planes. Lanes without one hold NaN, which no test accepts.
+/// A leaf's triangles, relative to the tree's centre, as planes; those of two corners side by side are one load. Lanes
+/// without a triangle hold NaN, which no test accepts.
 #[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C, align(64))]
 pub(in crate::accel) struct Block {
-    /// `[corner][axis][lane]`.
-    pub corners: [[[f32; LANES]; 3]; 3],
+    /// `[axis][corner][lane]`.
+    pub planes: [[[f32; LANES]; 3]; 3],
     /// Indices in the mesh.
     pub primitives: [u32; LANES],
 }
@@ -20,13 +21,13 @@ impl Block {
     /// Holds `triangles`, at most [`LANES`].
     pub(in crate::accel) fn new(triangles: impl Iterator<Item = Triangle>) -> Self {
         let mut block = Self {
-            corners: [[[f32::NAN; LANES]; 3]; 3],
+            planes: [[[f32::NAN; LANES]; 3]; 3],
             primitives: [u32::MAX; LANES],
         };
         for (lane, triangle) in triangles.enumerate() {
-            for (planes, corner) in block.corners.iter_mut().zip(triangle.corners) {
-                for (plane, x) in planes.iter_mut().zip(corner.to_array()) {
-                    plane[lane] = x;
+            for (i, corner) in triangle.corners.iter().enumerate() {
+                for (planes, x) in block.planes.iter_mut().zip(corner.to_array()) {
+                    planes[i][lane] = x;
                 }
             }
             block.primitives[lane] = triangle.primitive;
@@ -37,12 +38,11 @@ impl Block {
     /// The coordinates of a triangle's corners along `axes`.
     #[inline(always)]
     pub(in crate::accel) fn corners_along(&self, lane: usize, axes: [u32; 3]) -> [[f32; 3]; 3] {
-        let [x, y, z] = axes.map(|axis| axis as usize);
-        let [a, b, c] = &self.corners;
+        let [x, y, z] = axes.map(|axis| &self.planes[axis as usize]);
         [
-            [a[x][lane], a[y][lane], a[z][lane]],
-            [b[x][lane], b[y][lane], b[z][lane]],
-            [c[x][lane], c[y][lane], c[z][lane]],
+            [x[0][lane], y[0][lane], z[0][lane]],
+            [x[1][lane], y[1][lane], z[1][lane]],
+            [x[2][lane], y[2][lane], z[2][lane]],
         ]
     }
 
@@ -51,9 +51,8 @@ impl Block {
         (0..LANES)
             .filter(|&lane| self.primitives[lane] != u32::MAX)
             .map(|lane| Triangle {
-                corners: self
-                    .corners
-                    .map(|planes| Vec3::from_array(planes.map(|p| p[lane]))),
+                corners: [0, 1, 2]
+                    .map(|corner| Vec3::from_array(self.planes.map(|p| p[corner][lane]))),
                 primitive: self.primitives[lane],
             })
     }

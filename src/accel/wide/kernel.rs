@@ -38,18 +38,23 @@ pub(in crate::accel) fn is_near(waiting: Waiting, bits: u32) -> bool {
     (waiting >> 32) as u32 <= bits
 }
 
+/// A number for each child, for vectors to load and to store.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(in crate::accel) struct Aligned<const N: usize>(pub [f32; N]);
+
 /// Whether [`enter_few`] is for these children.
 #[inline(always)]
 pub(super) fn are_few(mask: u32) -> bool {
     mask.count_ones() <= 3
 }
 
-/// [`Kernel::enter`] for the children in `mask`, at most three, that the ray enters at `enter`: one number at a time is sooner
+/// [`Kernel::enter`] for the children in `mask`, at most three, that the ray enters at `at`: one number at a time is sooner
 /// done than a sort of vectors, and the processor guesses well how many there are.
 #[inline(always)]
 pub(super) fn enter_few<const N: usize>(
     node: &Node<N>,
-    enter: &[f32; N],
+    at: &Aligned<N>,
     mask: u32,
     stack: &mut Stack,
     len: &mut usize,
@@ -60,25 +65,38 @@ pub(super) fn enter_few<const N: usize>(
     }
     let waiting = |mask: u32| -> Waiting {
         let lane = mask.trailing_zeros() as usize & (N - 1);
-        let key = enter[lane].to_bits() & !(N as u32 - 1) | lane as u32;
-        u64::from(key) << 32 | u64::from(node.children[lane])
+        u64::from(at.0[lane].to_bits()) << 32 | u64::from(node.children[lane])
     };
     let mut push = |waiting| {
         // SAFETY: the stack has room for all that wait in the deepest tree.
         unsafe { stack.get_unchecked_mut(*len).write(waiting) };
         *len += 1;
     };
-    let (a, b) = (waiting(mask), waiting(rest));
-    let (near, far) = (a.min(b), a.max(b));
+    let (near, far) = in_order(waiting(mask), waiting(rest));
     let last = rest & (rest - 1);
     if last == 0 {
         push(far);
         return near as u32;
     }
-    let c = waiting(last);
-    push(far.max(c));
-    push(far.min(near.max(c)));
-    near.min(c) as u32
+    let (near, other) = in_order(near, waiting(last));
+    push(far.max(other));
+    push(far.min(other));
+    near as u32
+}
+
+/// The lesser one first. It branches: the processor guesses which one that is and goes on there, and guesses well enough.
+#[inline(always)]
+fn in_order(a: Waiting, b: Waiting) -> (Waiting, Waiting) {
+    if a < b {
+        // SAFETY: it does nothing, but may not be left out, which turns the branch into moves.
+        #[allow(unsafe_code)]
+        unsafe {
+            std::arch::asm!("", options(nomem, nostack, preserves_flags));
+        };
+        (a, b)
+    } else {
+        (b, a)
+    }
 }
 
 /// Rays that are made ready at once.
@@ -133,18 +151,15 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
         len: &mut usize,
     ) -> u32;
 
-    /// Writes the children that the ray meets before `limit` to `top`, where there is room for `N` and what the kernel
-    /// writes beyond, far ones first; returns how many.
+    /// Where the ray enters the boxes of the children, into `at`, and a bit for each that it meets before `limit`.
+    fn meet(self, node: &Node<N>, boxes: &Self::Boxes, limit: f32, at: &mut Aligned<N>) -> u32;
+
+    /// Writes the children in `mask`, which the ray enters at `at`, to `top`, where there is room for `N` and what the
+    /// kernel writes beyond, far ones first; returns how many.
     ///
     /// # Safety
     /// There is such room.
-    unsafe fn push(
-        self,
-        node: &Node<N>,
-        boxes: &Self::Boxes,
-        limit: f32,
-        top: *mut Waiting,
-    ) -> usize;
+    unsafe fn sort(self, node: &Node<N>, at: &Aligned<N>, mask: u32, top: *mut Waiting) -> usize;
 
     /// What rays of a packet meet of a triangle with these corners, relative to their origin: [`Packet::decide`].
     #[inline(always)]

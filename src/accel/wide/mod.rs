@@ -38,6 +38,7 @@ use node::{Node, STEP};
 use portable::Portable;
 
 pub(super) use block::{Block, LANES};
+use kernel::Aligned;
 pub(super) use kernel::{Descent, Kernel, PREPARED, Waiting, is_near, limit_bits, stack};
 pub(super) use node::LEAF;
 pub(super) use packet::{Catch, GROUP, PACKET, Packet, Seat, walk_packet};
@@ -108,11 +109,13 @@ impl<'a, const N: usize> Walk<'a, N> {
         room: &'b mut Children,
     ) -> &'b [Waiting] {
         let top = room.0.as_mut_ptr().cast::<Waiting>();
-        // SAFETY: links of a tree lead to its nodes; there is room for all that `push` writes, which is at least what it
+        let mut at = Aligned([0.0; N]);
+        // SAFETY: links of a tree lead to its nodes; there is room for all that `sort` writes, which is at least what it
         // says.
         unsafe {
             let node = self.node(node);
-            let count = kernel.push(node, boxes, limit, top);
+            let mask = kernel.meet(node, boxes, limit, &mut at);
+            let count = kernel.sort(node, &at, mask, top);
             std::slice::from_raw_parts(top, count)
         }
     }

@@ -239,27 +239,27 @@ impl Packet {
         (windows, seen.iter().fold(0, |all, bit| all | bit))
     }
 
-    /// The windows of triangles, given as planes `[corner][axis][triangle]`, and a bit for each that the packet sees.
+    /// The windows of triangles, given as planes `[axis][corner][triangle]`, and a bit for each that the packet sees.
     #[inline(always)]
     pub(in crate::accel) fn triangle_windows<const M: usize>(
         &self,
         seat: &Seat,
-        corners: &[[[f32; M]; 3]; 3],
+        planes: &[[[f32; M]; 3]; 3],
     ) -> (Windows<M>, u32) {
-        let [x, y, z] = self.axes.map(|axis| axis as usize);
+        let [x, y, z] = self.axes.map(|axis| &planes[axis as usize]);
         let Seat { origin, slack } = *seat;
         let mut far = [f32::NEG_INFINITY; M];
         let mut windows = Windows::EMPTY;
         let Windows { x: xs, y: ys, near } = &mut windows;
-        for corner in corners {
+        for corner in 0..3 {
             for i in 0..M {
-                let depth = (corner[z][i] - origin[2]) * self.sign;
+                let depth = (z[corner][i] - origin[2]) * self.sign;
                 near[i] = near[i].min(depth);
                 far[i] = far[i].max(depth);
                 let by = 1.0 / depth;
                 let (px, py) = (
-                    (corner[x][i] - origin[0]) * by,
-                    (corner[y][i] - origin[1]) * by,
+                    (x[corner][i] - origin[0]) * by,
+                    (y[corner][i] - origin[1]) * by,
                 );
                 let (wx, wy) = (
                     slack * by.abs() * (2.0 + 2.0 * px.abs()),

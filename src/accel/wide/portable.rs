@@ -6,7 +6,7 @@ use crate::accel::ray::TreeRay;
 use crate::math::Ray;
 
 use super::block::{Block, LANES};
-use super::kernel::{Kernel, Stack, Waiting, are_few, enter_few};
+use super::kernel::{Aligned, Kernel, Stack, Waiting, are_few, enter_few};
 use super::node::Node;
 
 #[derive(Clone, Copy)]
@@ -48,23 +48,28 @@ impl<const N: usize> Kernel<N> for Portable {
         stack: &mut Stack,
         len: &mut usize,
     ) -> u32 {
-        let (enter, mask) = meet(node, boxes, limit);
+        let mut at = Aligned([0.0; N]);
+        let mask = meet(node, boxes, limit, &mut at);
         if are_few(mask) {
-            return enter_few(node, &enter, mask, stack, len);
+            return enter_few(node, &at, mask, stack, len);
         }
         // SAFETY: the stack has room for all that wait in the deepest tree; the last entry was just written.
         unsafe {
             let top = stack.as_mut_ptr().add(*len).cast::<Waiting>();
-            let count = sorted(node, &enter, mask, top);
+            let count = sorted(node, &at, mask, top);
             *len += count - 1;
             *top.add(count - 1) as u32
         }
     }
 
     #[inline(always)]
-    unsafe fn push(self, node: &Node<N>, boxes: &Boxes, limit: f32, top: *mut Waiting) -> usize {
-        let (enter, mask) = meet(node, boxes, limit);
-        unsafe { sorted(node, &enter, mask, top) }
+    fn meet(self, node: &Node<N>, boxes: &Boxes, limit: f32, at: &mut Aligned<N>) -> u32 {
+        meet(node, boxes, limit, at)
+    }
+
+    #[inline(always)]
+    unsafe fn sort(self, node: &Node<N>, at: &Aligned<N>, mask: u32, top: *mut Waiting) -> usize {
+        unsafe { sorted(node, at, mask, top) }
     }
 
     #[inline(always)]
@@ -88,9 +93,8 @@ impl<const N: usize> Kernel<N> for Portable {
 fn candidates(block: &Block, ray: &TreeRay, from: usize) -> u32 {
     let [x, y, z] = ray.axes.map(|axis| axis as usize);
     let corner = |corner: usize| {
-        let planes = &block.corners[corner];
         let along = |axis: usize, origin: f32| {
-            Vec4::from_slice(&planes[axis][from..]) - Vec4::splat(origin)
+            Vec4::from_slice(&block.planes[axis][corner][from..]) - Vec4::splat(origin)
         };
         let z = along(z, ray.origin.z);
         (
@@ -102,19 +106,18 @@ fn candidates(block: &Block, ray: &TreeRay, from: usize) -> u32 {
     let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
     let most = |a: Vec4, b: Vec4, c: Vec4| a.max(b).max(c);
     let size = most(ax.abs(), bx.abs(), cx.abs()).max(most(ay.abs(), by.abs(), cy.abs()));
-    let (scale, least) = ray.doubt();
-    let doubt = size * scale + Vec4::splat(least);
+    let doubt = (size + Vec4::splat(ray.slack)) * ray.scale + Vec4::splat(f32::MIN_POSITIVE);
     // What is not a number misses nothing; only a lane without a triangle holds none.
     let missed = u.min(v).min(w).cmplt(-doubt) & most(u, v, w).cmpgt(doubt);
-    let held = Vec4::from_slice(&block.corners[0][0][from..]);
+    let held = Vec4::from_slice(&block.planes[0][0][from..]);
     (held.cmpeq(held) & !missed).bitmask()
 }
 
 /// Where the ray enters the boxes, at least 0, and a bit for each that it meets.
 #[inline(always)]
-fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N], u32) {
+fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32, at: &mut Aligned<N>) -> u32 {
     let ray = &boxes.ray;
-    let (mut enter, mut mask) = ([0.0; N], 0);
+    let mut mask = 0;
     for from in (0..N).step_by(4) {
         let (mut first, mut last) = (Vec4::splat(boxes.start), Vec4::splat(limit));
         for axis in 0..3 {
@@ -126,9 +129,9 @@ fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N],
         }
         mask |= first.cmple(last).bitmask() << from;
         // Behind the origin there is no order.
-        first.max(Vec4::ZERO).write_to_slice(&mut enter[from..]);
+        first.max(Vec4::ZERO).write_to_slice(&mut at.0[from..]);
     }
-    (enter, mask)
+    mask
 }
 
 /// Writes the children in `mask` to `top`, far ones first; returns how many.
@@ -138,7 +141,7 @@ fn meet<const N: usize>(node: &Node<N>, boxes: &Boxes, limit: f32) -> ([f32; N],
 #[inline(always)]
 unsafe fn sorted<const N: usize>(
     node: &Node<N>,
-    enter: &[f32; N],
+    at: &Aligned<N>,
     mut mask: u32,
     top: *mut Waiting,
 ) -> usize {
@@ -146,7 +149,7 @@ unsafe fn sorted<const N: usize>(
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize & (N - 1);
         mask &= mask - 1;
-        let entry = u64::from(enter[lane].to_bits()) << 32 | u64::from(node.children[lane]);
+        let entry = u64::from(at.0[lane].to_bits()) << 32 | u64::from(node.children[lane]);
         let mut place = count;
         // SAFETY: the caller's, and entries below `count` were written.
         unsafe {

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use glam::DVec3;
 
-use crate::accel::ray::{AXES, SLACK, STEEPEST, TreeRay, UNITS};
+use crate::accel::ray::{AXES, EDGE, SLACK, STEEPEST, TreeRay, UNITS};
 use crate::math::Ray;
 
 use super::kernel::PREPARED;
@@ -105,6 +105,7 @@ pub(super) unsafe fn prepare(
                 axes: AXES[longest],
                 negative: negative as u32,
                 slack,
+                scale: EDGE * slack,
                 unit: units[i],
             });
         }
@@ -165,6 +166,7 @@ pub(super) unsafe fn prepare_one(ray: &Ray, center: DVec3, extent: f32) -> TreeR
             axes: [i, j, k],
             negative: _mm_movemask_ps(direction) as u32 & 7,
             slack: _mm_cvtss_f32(slack),
+            scale: EDGE * _mm_cvtss_f32(slack),
             unit: _mm256_cvtsd_f64(_mm256_castsi256_pd(unit)),
         }
     }

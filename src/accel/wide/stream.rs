@@ -8,7 +8,7 @@ use crate::math::Ray;
 use crate::memory::fetch;
 
 use super::Walk;
-use super::kernel::{Kernel, PREPARED, STACK, Waiting, is_near, limit_bits};
+use super::kernel::{Aligned, Kernel, PREPARED, STACK, Waiting, is_near, limit_bits};
 use super::node::{LEAF, STEP};
 
 /// Rays under way at once: while one waits for memory or for its own last result, others go on. New ones start when
@@ -87,13 +87,23 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
     /// Fills `group` with the next rays, which are to be those with the numbers in `slots`.
     fn enter(&mut self, slots: [usize; PREPARED], group: &mut Group);
 
-    /// Number `slot` is at a leaf.
+    /// Number `slot` is at a leaf: what may be hit there, in bits; [`Traffic::visit`] is for those that find any.
+    fn look<K: Kernel<N>>(
+        &self,
+        kernel: K,
+        slot: usize,
+        entrant: &Entrant<'a, N>,
+        leaf: u32,
+    ) -> u32;
+
+    /// Number `slot` has `found` something at a leaf.
     fn visit<K: Kernel<N>>(
         &mut self,
         kernel: K,
         slot: usize,
         entrant: &Entrant<'a, N>,
         leaf: u32,
+        found: u32,
     ) -> Next<'a, N>;
 
     /// Number `slot` comes back from a tree in a leaf.
@@ -109,34 +119,45 @@ struct Slot<'a, const N: usize> {
     stack: [MaybeUninit<Waiting>; STACK],
 }
 
-/// The slots at a node, those at a leaf, and those without a ray.
+/// The slots with rays by what their turn is, and those without.
 struct Turns {
-    at_node: [u8; RAYS + 1],
-    nodes: usize,
-    at_leaf: [u8; RAYS + 1],
-    leaves: usize,
+    /// `[kind][..len]`.
+    slots: [[u8; RAYS]; KINDS],
+    lens: [usize; KINDS],
     free: [u8; RAYS],
     idle: usize,
 }
 
+// Kinds of turns: at a node, at a leaf, and where a tree is done.
+const NODES: usize = 0;
+const LEAVES: usize = 1;
+const ENDS: usize = 2;
+const KINDS: usize = 3;
+
 impl Turns {
-    /// Written to both lists, of which one grows: rays go either way at random, and a branch would cost more.
+    /// Rays go either way at random: a branch would cost more.
     ///
     /// # Safety
-    /// No more than [`RAYS`] slots have turns.
+    /// Slots have one turn each.
     #[inline(always)]
     unsafe fn put(&mut self, slot: u8, link: u32) {
-        let leaf = (link >> 31) as usize;
+        let kind = (link >> 31) as usize + usize::from(link == DONE);
         unsafe {
-            *self.at_node.get_unchecked_mut(self.nodes) = slot;
-            *self.at_leaf.get_unchecked_mut(self.leaves) = slot;
+            let len = self.lens.get_unchecked_mut(kind);
+            *(self.slots.get_unchecked_mut(kind)).get_unchecked_mut(*len) = slot;
+            *len += 1;
         }
-        self.nodes += 1 - leaf;
-        self.leaves += leaf;
+    }
+
+    /// Moves all turns of a kind to `taken`.
+    #[inline(always)]
+    fn take<'a>(&mut self, kind: usize, taken: &'a mut [u8; RAYS]) -> &'a [u8] {
+        *taken = self.slots[kind];
+        &taken[..std::mem::take(&mut self.lens[kind])]
     }
 }
 
-impl<const N: usize> Slot<'_, N> {
+impl<'a, const N: usize> Slot<'a, N> {
     /// Starts at the root of another tree than the one that waits.
     ///
     /// # Safety
@@ -183,6 +204,37 @@ impl<const N: usize> Slot<'_, N> {
         self.len = kept;
     }
 
+    /// After a leaf.
+    ///
+    /// # Safety
+    /// As [`Slot::pop`], and there is room on the stack.
+    #[inline(always)]
+    unsafe fn go_on(&mut self, next: Next<'a, N>) {
+        unsafe {
+            match next {
+                Next::On => self.pop(),
+                Next::To(limit) => {
+                    self.entrant.limit = limit;
+                    self.cut();
+                    self.pop();
+                }
+                Next::Down(entrant) => {
+                    self.entrant = entrant;
+                    self.descend();
+                }
+                Next::Into(root) => {
+                    self.entrant.root = root;
+                    self.descend();
+                }
+                Next::Stop => {
+                    self.len = 0;
+                    self.floor = 0;
+                    self.pop();
+                }
+            }
+        }
+    }
+
     /// Asks for the cache lines of where the ray goes next, which need not be there.
     #[inline(always)]
     fn fetch(&self) {
@@ -215,13 +267,13 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
     let mut slots = [const { MaybeUninit::<Slot<'a, N>>::uninit() }; RAYS];
     let slots = slots.as_mut_ptr().cast::<Slot<'a, N>>();
     let mut turns = Turns {
-        at_node: [0; RAYS + 1],
-        nodes: 0,
-        at_leaf: [0; RAYS + 1],
-        leaves: 0,
-        free: std::array::from_fn(|i| i as u8),
+        slots: [[0; RAYS]; KINDS],
+        lens: [0; KINDS],
+        free: from_fn(|i| i as u8),
         idle: RAYS,
     };
+    let (mut taken, mut found) = ([0; RAYS], [0; RAYS]);
+    let mut met = [Aligned([0.0; N]); RAYS];
     let root = traffic.root();
     let mut group = Group {
         len: PREPARED,
@@ -256,80 +308,74 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                 }
             }
         }
-        if turns.nodes + turns.leaves == 0 {
+        if turns.lens == [0; KINDS] {
             return;
         }
-        for k in 0..std::mem::take(&mut turns.nodes) {
-            // SAFETY: only slots with rays have turns, one each. Links lead to nodes of the slot's tree, and stacks are never
-            // fuller than trees are built for.
+        // Turns are taken in two loops: what the second one waits for or branches on is known by then, and does not keep
+        // the first one waiting.
+        let nodes = turns.take(NODES, &mut taken);
+        for ((&i, found), met) in nodes.iter().zip(&mut found).zip(&mut met) {
+            // SAFETY: only slots with rays have turns, one each. Links lead to nodes of the slot's tree.
             unsafe {
-                let i = *turns.at_node.get_unchecked(k);
-                let slot = &mut *slots.add(i as usize);
+                let slot = &*slots.add(usize::from(i));
                 let Entrant {
                     ray,
                     start,
                     limit,
                     root,
                 } = &slot.entrant;
-                let node = root.walk.node(slot.link);
                 let boxes = kernel.boxes(ray, *start);
-                let limit = *limit;
-                let len = slot.len;
-                let top = slot.top().add(len + 1);
-                let len = len + kernel.push(node, &boxes, limit, top);
-                slot.link = *slot.top().add(len) as u32;
-                slot.len = len.wrapping_sub(1);
+                *found = kernel.meet(root.walk.node(slot.link), &boxes, *limit, met);
+            }
+        }
+        for ((&i, found), met) in nodes.iter().zip(&found).zip(&met) {
+            // SAFETY: as above; stacks are never fuller than trees are built for.
+            unsafe {
+                let slot = &mut *slots.add(usize::from(i));
+                let node = slot.entrant.root.walk.node(slot.link);
+                let top = slot.top().add(slot.len + 1);
+                slot.len += kernel.sort(node, met, *found, top);
+                slot.pop();
                 slot.fetch();
                 turns.put(i, slot.link);
             }
         }
-        for k in 0..std::mem::take(&mut turns.leaves) {
+        let leaves = turns.take(LEAVES, &mut taken);
+        for (&i, found) in leaves.iter().zip(&mut found) {
+            // SAFETY: as above.
+            let slot = unsafe { &*slots.add(usize::from(i)) };
+            *found = traffic.look(kernel, usize::from(i), &slot.entrant, slot.link & !LEAF);
+        }
+        for (&i, &found) in leaves.iter().zip(&found) {
             // SAFETY: as above; all entries up to `len` were written.
             unsafe {
-                let i = *turns.at_leaf.get_unchecked(k);
-                let slot = &mut *slots.add(i as usize);
-                loop {
-                    if slot.link == DONE && slot.floor == 0 {
-                        turns.free[turns.idle] = i;
-                        turns.idle += 1;
-                        break;
-                    }
-                    if slot.link == DONE {
-                        slot.floor = 0;
-                        traffic.rise(kernel, i as usize, &mut slot.entrant);
-                        slot.cut();
-                        slot.pop();
-                    } else {
-                        let leaf = slot.link & !LEAF;
-                        match traffic.visit(kernel, i as usize, &slot.entrant, leaf) {
-                            Next::On => slot.pop(),
-                            Next::To(limit) => {
-                                slot.entrant.limit = limit;
-                                slot.cut();
-                                slot.pop();
-                            }
-                            Next::Down(entrant) => {
-                                slot.entrant = entrant;
-                                slot.descend();
-                            }
-                            Next::Into(root) => {
-                                slot.entrant.root = root;
-                                slot.descend();
-                            }
-                            Next::Stop => {
-                                slot.len = 0;
-                                slot.floor = 0;
-                                slot.pop();
-                            }
-                        }
-                    }
-                    // What follows at a leaf of a small tree, or at none, is in the caches: no other ray need go first.
-                    if slot.link & LEAF == 0 || slot.entrant.root.leaves.is_some() {
-                        slot.fetch();
-                        turns.put(i, slot.link);
-                        break;
-                    }
+                let slot = &mut *slots.add(usize::from(i));
+                if found == 0 {
+                    slot.pop();
+                } else {
+                    let leaf = slot.link & !LEAF;
+                    let next = traffic.visit(kernel, usize::from(i), &slot.entrant, leaf, found);
+                    slot.go_on(next);
                 }
+                slot.fetch();
+                turns.put(i, slot.link);
+            }
+        }
+        for &i in turns.take(ENDS, &mut taken) {
+            // SAFETY: as above.
+            unsafe {
+                let slot = &mut *slots.add(usize::from(i));
+                if slot.floor == 0 {
+                    turns.free[turns.idle] = i;
+                    turns.idle += 1;
+                    continue;
+                }
+                slot.floor = 0;
+                traffic.rise(kernel, usize::from(i), &mut slot.entrant);
+                slot.cut();
+                slot.pop();
+                slot.fetch();
+                turns.put(i, slot.link);
             }
         }
     }
