@@ -248,14 +248,16 @@ impl Packet {
     ) -> (Windows<M>, u32) {
         let [x, y, z] = self.axes.map(|axis| &planes[axis as usize]);
         let Seat { origin, slack } = *seat;
-        let mut far = [f32::NEG_INFINITY; M];
         let mut windows = Windows::EMPTY;
-        let Windows { x: xs, y: ys, near } = &mut windows;
-        for corner in 0..3 {
-            for i in 0..M {
+        let mut seen = [0; M];
+        for i in 0..M {
+            let (mut near, mut far) = (f32::INFINITY, f32::NEG_INFINITY);
+            let (mut x0, mut x1) = (f32::INFINITY, f32::NEG_INFINITY);
+            let (mut y0, mut y1) = (f32::INFINITY, f32::NEG_INFINITY);
+            for corner in 0..3 {
                 let depth = (z[corner][i] - origin[2]) * self.sign;
-                near[i] = near[i].min(depth);
-                far[i] = far[i].max(depth);
+                near = lesser(near, depth);
+                far = greater(far, depth);
                 let by = 1.0 / depth;
                 let (px, py) = (
                     (x[corner][i] - origin[0]) * by,
@@ -265,25 +267,20 @@ impl Packet {
                     slack * by.abs() * (2.0 + 2.0 * px.abs()),
                     slack * by.abs() * (2.0 + 2.0 * py.abs()),
                 );
-                xs[0][i] = xs[0][i].min(px - wx);
-                xs[1][i] = xs[1][i].max(px + wx);
-                ys[0][i] = ys[0][i].min(py - wy);
-                ys[1][i] = ys[1][i].max(py + wy);
+                x0 = lesser(x0, px - wx);
+                x1 = greater(x1, px + wx);
+                y0 = lesser(y0, py - wy);
+                y1 = greater(y1, py + wy);
             }
-        }
-        let mut seen = [0; M];
-        for i in 0..M {
             // Beside or behind the origin a triangle has no rectangle of its corners' points.
-            if near[i] <= 8.0 * slack {
-                for range in [&mut *xs, &mut *ys] {
-                    range[0][i] = f32::NEG_INFINITY;
-                    range[1][i] = f32::INFINITY;
-                }
-            }
-            near[i] -= slack;
-        }
-        for i in 0..M {
-            seen[i] = u32::from(self.overlaps(&windows, i) & (far[i] >= -slack)) << i;
+            let beside = near <= 8.0 * slack;
+            let or = |x: f32, limit: f32| if beside { limit } else { x };
+            windows.x[0][i] = or(x0, f32::NEG_INFINITY);
+            windows.x[1][i] = or(x1, f32::INFINITY);
+            windows.y[0][i] = or(y0, f32::NEG_INFINITY);
+            windows.y[1][i] = or(y1, f32::INFINITY);
+            windows.near[i] = near - slack;
+            seen[i] = u32::from(self.overlaps(&windows, i) & (far >= -slack)) << i;
         }
         (windows, seen.iter().fold(0, |all, bit| all | bit))
     }
@@ -303,13 +300,22 @@ fn reach(limit: f64, length: f64) -> f32 {
     (limit * length.abs()) as f32 * (1.0 + ROUNDING) + f32::MIN_POSITIVE
 }
 
+/// The lesser of two, or the first where the second is no number: one instruction, which `f32::min` is not.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
+
 /// The least and the greatest.
 #[inline(always)]
 fn range(points: &[f32; PACKET]) -> [f32; 2] {
     const LANES: usize = 16;
     let (mut least, mut greatest) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-    let lesser = |a: f32, b: f32| if b < a { b } else { a };
-    let greater = |a: f32, b: f32| if b > a { b } else { a };
     for part in points.as_chunks::<LANES>().0 {
         for i in 0..LANES {
             least[i] = lesser(least[i], part[i]);
