@@ -13,7 +13,7 @@ use super::node::{LEAF, STEP};
 
 /// Rays under way at once: while one waits for memory or for its own last result, others go on. New ones start when
 /// [`PREPARED`] slots are free.
-pub(in crate::accel) const RAYS: usize = 24;
+pub(in crate::accel) const RAYS: usize = 32;
 
 /// The link below all that waits in a tree.
 const DONE: u32 = u32::MAX;
@@ -258,7 +258,7 @@ const LINES: usize = 6;
 #[inline(always)]
 #[allow(
     clippy::large_stack_arrays,
-    reason = "200 KiB, of which few pages are used, for batches of thousands"
+    reason = "270 KiB, of which few pages are used, for batches of thousands"
 )]
 pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
     kernel: K,
