@@ -224,14 +224,10 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
             let flight = &mut self.slots[slots[group.len]];
             (flight.index, flight.limit, flight.mesh) = (index, limit, *mesh);
             group.limits[group.len] = limit;
-            let local = &mut group.rays[group.len];
-            *local = *ray;
+            flight.moved = None;
             if let &mut Some((mesh, instance)) = mesh {
-                if let Some(moved) = accel.moved_ray(instance, ray) {
-                    flight.moved = Some(moved);
-                    *local = moved;
-                }
-                if !mesh.fits_kernels(local) {
+                flight.moved = accel.moved_ray(instance, ray);
+                if !mesh.fits_kernels(flight.moved.as_ref().unwrap_or(ray)) {
                     answers.meet(accel, instance, ray, index, &mut limit);
                     continue;
                 }
@@ -243,6 +239,12 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
             }
             group.len += 1;
         }
+    }
+
+    #[inline(always)]
+    fn ray(&self, slot: usize) -> &Ray {
+        let Flight { index, moved, .. } = &self.slots[slot];
+        moved.as_ref().unwrap_or(&self.stream.rays[*index])
     }
 
     #[inline(always)]

@@ -52,7 +52,7 @@ impl Kernel<16> for Avx512 {
     #[inline(always)]
     unsafe fn prepare(
         self,
-        rays: &[Ray; PREPARED],
+        rays: &[&Ray; PREPARED],
         center: DVec3,
         extent: f32,
         into: &[*mut TreeRay; PREPARED],

@@ -127,7 +127,7 @@ pub(in crate::accel) trait Kernel<const N: usize>: Copy {
     #[inline(always)]
     unsafe fn prepare(
         self,
-        rays: &[Ray; PREPARED],
+        rays: &[&Ray; PREPARED],
         center: DVec3,
         extent: f32,
         into: &[*mut TreeRay; PREPARED],

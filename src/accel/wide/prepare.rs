@@ -15,14 +15,14 @@ use super::kernel::PREPARED;
 /// The processor has what [`super::avx512::Avx512`] needs; `into` may be written to.
 #[inline(always)]
 pub(super) unsafe fn prepare(
-    rays: &[Ray; PREPARED],
+    rays: &[&Ray; PREPARED],
     center: DVec3,
     extent: f32,
     into: &[*mut TreeRay; PREPARED],
 ) {
     // SAFETY: a ray is eight numbers side by side.
     unsafe {
-        let row = |i: usize| _mm512_loadu_pd((&raw const rays[i]).cast());
+        let row = |i: usize| _mm512_loadu_pd((&raw const *rays[i]).cast());
         let [ox, oy, oz, dx, dy, dz, ..] = transposed([
             row(0),
             row(1),
@@ -307,7 +307,7 @@ mod tests {
                 ready.rotate_left(1);
                 unsafe {
                     kernel.prepare(
-                        &rays,
+                        &rays.each_ref(),
                         center,
                         extent,
                         &ready.each_mut().map(|r| &raw mut *r),

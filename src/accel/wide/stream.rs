@@ -59,7 +59,6 @@ impl<'a, const N: usize> Entrant<'a, N> {
 /// Rays that start at once.
 pub(in crate::accel) struct Group {
     pub len: usize,
-    pub rays: [Ray; PREPARED],
     /// Where they end.
     pub limits: [f64; PREPARED],
 }
@@ -86,6 +85,9 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
 
     /// Fills `group` with the next rays, which are to be those with the numbers in `slots`.
     fn enter(&mut self, slots: [usize; PREPARED], group: &mut Group);
+
+    /// Number `slot` as it is to be made ready for the tree that it starts in; any ray where none has that number.
+    fn ray(&self, slot: usize) -> &Ray;
 
     /// Number `slot` is at a leaf: what may be hit there, in bits; [`Traffic::visit`] is for those that find any.
     fn look<K: Kernel<N>>(
@@ -119,13 +121,11 @@ struct Slot<'a, const N: usize> {
     stack: [MaybeUninit<Waiting>; STACK],
 }
 
-/// The slots with rays by what their turn is, and those without.
+/// The slots with rays, each once, by what their turn is.
 struct Turns {
     /// `[kind][..len]`.
     slots: [[u8; RAYS]; KINDS],
     lens: [usize; KINDS],
-    free: [u8; RAYS],
-    idle: usize,
 }
 
 // Kinds of turns: at a node, at a leaf, and where a tree is done.
@@ -135,6 +135,11 @@ const ENDS: usize = 2;
 const KINDS: usize = 3;
 
 impl Turns {
+    const NONE: Self = Self {
+        slots: [[0; RAYS]; KINDS],
+        lens: [0; KINDS],
+    };
+
     /// Rays go either way at random: a branch would cost more.
     ///
     /// # Safety
@@ -149,11 +154,9 @@ impl Turns {
         }
     }
 
-    /// Moves all turns of a kind to `taken`.
     #[inline(always)]
-    fn take<'a>(&mut self, kind: usize, taken: &'a mut [u8; RAYS]) -> &'a [u8] {
-        *taken = self.slots[kind];
-        &taken[..std::mem::take(&mut self.lens[kind])]
+    fn of(&self, kind: usize) -> &[u8] {
+        &self.slots[kind][..self.lens[kind]]
     }
 }
 
@@ -266,37 +269,33 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
 ) {
     let mut slots = [const { MaybeUninit::<Slot<'a, N>>::uninit() }; RAYS];
     let slots = slots.as_mut_ptr().cast::<Slot<'a, N>>();
-    let mut turns = Turns {
-        slots: [[0; RAYS]; KINDS],
-        lens: [0; KINDS],
-        free: from_fn(|i| i as u8),
-        idle: RAYS,
-    };
-    let (mut taken, mut found) = ([0; RAYS], [0; RAYS]);
+    let (mut free, mut idle): ([u8; RAYS], _) = (from_fn(|i| i as u8), RAYS);
+    let (mut some, mut others) = (Turns::NONE, Turns::NONE);
+    let (mut turns, mut next) = (&mut some, &mut others);
+    let mut found = [0; RAYS];
     let mut met = [Aligned([0.0; N]); RAYS];
     let root = traffic.root();
     let mut group = Group {
         len: PREPARED,
-        rays: [Ray::new(DVec3::ZERO, DVec3::X); PREPARED],
         limits: [0.0; PREPARED],
     };
     loop {
-        while group.len == PREPARED && turns.idle >= PREPARED {
-            let ids: [usize; PREPARED] = from_fn(|i| usize::from(turns.free[turns.idle - 1 - i]));
+        while group.len == PREPARED && idle >= PREPARED {
+            let ids: [usize; PREPARED] = from_fn(|i| usize::from(free[idle - 1 - i]));
             traffic.enter(ids, &mut group);
-            turns.idle -= group.len;
+            idle -= group.len;
             // SAFETY: ids are those of slots without rays. Their fields are written here, but for the stack's other
             // entries, which are written before they are read.
             unsafe {
                 let into = ids.map(|i| &raw mut (*slots.add(i)).entrant.ray);
-                kernel.prepare(&group.rays, root.center, root.extent, &into);
+                // Where they stand: what was just copied in parts would not be ready to be loaded as a whole.
+                let rays = ids.map(|i| traffic.ray(i));
+                kernel.prepare(&rays, root.center, root.extent, &into);
                 for (i, &id) in ids[..group.len].iter().enumerate() {
                     let slot = slots.add(id);
                     let ray = &(*slot).entrant.ray;
-                    let (start, limit) = (
-                        ray.box_start(group.rays[i].tmin),
-                        ray.box_limit(group.limits[i]),
-                    );
+                    let (start, limit) =
+                        (ray.box_start(rays[i].tmin), ray.box_limit(group.limits[i]));
                     (&raw mut (*slot).entrant.start).write(start);
                     (&raw mut (*slot).entrant.limit).write(limit);
                     (&raw mut (*slot).entrant.root).write(root);
@@ -311,9 +310,10 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
         if turns.lens == [0; KINDS] {
             return;
         }
+        next.lens = [0; KINDS];
         // Turns are taken in two loops: what the second one waits for or branches on is known by then, and does not keep
         // the first one waiting.
-        let nodes = turns.take(NODES, &mut taken);
+        let nodes = turns.of(NODES);
         for ((&i, found), met) in nodes.iter().zip(&mut found).zip(&mut met) {
             // SAFETY: only slots with rays have turns, one each. Links lead to nodes of the slot's tree.
             unsafe {
@@ -337,10 +337,10 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                 slot.len += kernel.sort(node, met, *found, top);
                 slot.pop();
                 slot.fetch();
-                turns.put(i, slot.link);
+                next.put(i, slot.link);
             }
         }
-        let leaves = turns.take(LEAVES, &mut taken);
+        let leaves = turns.of(LEAVES);
         for (&i, found) in leaves.iter().zip(&mut found) {
             // SAFETY: as above.
             let slot = unsafe { &*slots.add(usize::from(i)) };
@@ -354,20 +354,20 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                     slot.pop();
                 } else {
                     let leaf = slot.link & !LEAF;
-                    let next = traffic.visit(kernel, usize::from(i), &slot.entrant, leaf, found);
-                    slot.go_on(next);
+                    let then = traffic.visit(kernel, usize::from(i), &slot.entrant, leaf, found);
+                    slot.go_on(then);
                 }
                 slot.fetch();
-                turns.put(i, slot.link);
+                next.put(i, slot.link);
             }
         }
-        for &i in turns.take(ENDS, &mut taken) {
+        for &i in turns.of(ENDS) {
             // SAFETY: as above.
             unsafe {
                 let slot = &mut *slots.add(usize::from(i));
                 if slot.floor == 0 {
-                    turns.free[turns.idle] = i;
-                    turns.idle += 1;
+                    free[idle] = i;
+                    idle += 1;
                     continue;
                 }
                 slot.floor = 0;
@@ -375,8 +375,9 @@ pub(in crate::accel) fn stream<'a, K: Kernel<N>, const N: usize>(
                 slot.cut();
                 slot.pop();
                 slot.fetch();
-                turns.put(i, slot.link);
+                next.put(i, slot.link);
             }
         }
+        std::mem::swap(&mut turns, &mut next);
     }
 }
