@@ -245,6 +245,7 @@ impl<'a, const N: usize> Slot<'a, N> {
             return;
         };
         let nodes = (self.entrant.root.walk.nodes.as_ptr().cast::<u8>(), STEP);
+        // Not a branch, which would be guessed wrong too often.
         let (base, size) = [nodes, leaves][(self.link >> 31) as usize];
         let place = base.wrapping_add((self.link & !LEAF) as usize * size);
         for line in 0..LINES {
