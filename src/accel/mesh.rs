@@ -168,15 +168,17 @@ impl MeshTree {
         }
     }
 
-    /// A bit for each triangle of a leaf that the ray may hit, and how far its farthest corner is.
+    /// A bit for each triangle of a leaf that the ray may hit from `start` to `limit`, in units of the box test; and how far
+    /// its farthest corner is.
     #[inline(always)]
     pub(super) fn look<K: Kernel<N>, const N: usize>(
         &self,
         kernel: K,
-        at: &AtLeaf<'_>,
+        local: &TreeRay,
+        [start, limit]: [f32; 2],
         leaf: u32,
     ) -> (u32, [f32; LANES]) {
-        kernel.candidates(&self.leaves[leaf as usize], at.local, at.start, at.limit)
+        kernel.candidates(&self.leaves[leaf as usize], local, start, limit)
     }
 
     /// Offers the hits of the ray, of the mesh's space, with the triangles in `mask` of a leaf.
@@ -219,16 +221,11 @@ impl MeshTree {
             return false;
         }
         let start = local.box_start(ray.tmin);
-        let mut at = AtLeaf {
-            local: &local,
-            start,
-            limit: local.box_limit(tmax),
-        };
-        let mut limit = tmax;
+        let (mut limit, mut end) = (tmax, local.box_limit(tmax));
         let mut stack = stack();
         let mut descent = Descent::new(kernel, walk, &local, start, &mut stack);
-        while let Some(leaf) = descent.next(at.limit) {
-            let (mask, reach) = self.look(kernel, &at, leaf);
+        while let Some(leaf) = descent.next(end) {
+            let (mask, reach) = self.look(kernel, &local, [start, end], leaf);
             if mask == 0 {
                 continue;
             }
@@ -241,13 +238,13 @@ impl MeshTree {
                     break;
                 }
                 // A hit lies before its triangle's farthest corner: that is known long before where it lies.
-                let end = if mask.is_power_of_two() {
+                let last = if mask.is_power_of_two() {
                     local.box_end(reach[mask.trailing_zeros() as usize & (LANES - 1)])
                 } else {
                     f32::INFINITY
                 };
-                at.limit = if end < f32::INFINITY {
-                    at.limit.min(end)
+                end = if last < f32::INFINITY {
+                    end.min(last)
                 } else {
                     local.box_limit(limit)
                 };
@@ -367,13 +364,6 @@ impl MeshTree {
     pub(super) fn triangles(&self) -> impl Iterator<Item = Triangle> + '_ {
         self.leaves.iter().flat_map(Block::triangles)
     }
-}
-
-/// A ray at a leaf, made ready for the tree, from `start` to `limit` in units of the box test.
-pub(super) struct AtLeaf<'a> {
-    pub local: &'a TreeRay,
-    pub start: f32,
-    pub limit: f32,
 }
 
 /// The end of a ray for which nothing is left to look for.

@@ -1,4 +1,4 @@
-use crate::accel::mesh::{AtLeaf, ENOUGH, MeshTree};
+use crate::accel::mesh::{ENOUGH, MeshTree};
 use crate::accel::wide::{
     Entrant, Group, Kernel, Next, PREPARED, RAYS, Root, Task, Traffic, Walk, stream,
 };
@@ -258,12 +258,8 @@ impl<'a, A: Answers, const N: usize> Traffic<'a, N> for Flights<'a, '_, A, N> {
         let Some((mesh, _)) = self.slots[slot].mesh else {
             return u32::MAX;
         };
-        let at = AtLeaf {
-            local: &entrant.ray,
-            start: entrant.start,
-            limit: entrant.limit,
-        };
-        mesh.look(kernel, &at, leaf).0
+        let ends = [entrant.start, entrant.limit];
+        mesh.look(kernel, &entrant.ray, ends, leaf).0
     }
 
     #[inline(always)]

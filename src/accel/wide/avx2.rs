@@ -140,11 +140,7 @@ impl Kernel<8> for Avx2 {
         unsafe {
             let ray = &*opaque(ray);
             let all = |x: f32| _mm256_set1_ps(x);
-            let planes = ray.axes.map(|axis| {
-                (&raw const block.planes[0])
-                    .wrapping_add(axis as usize)
-                    .cast::<f32>()
-            });
+            let planes = block.planes_along(ray.axes);
             let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
             let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
             let corner = |corner: usize| {

@@ -64,6 +64,7 @@ impl Kernel<16> for Avx512 {
     fn boxes(self, ray: &TreeRay, start: f32) -> Boxes {
         // SAFETY: see `new`.
         unsafe {
+            // Numbers are spread as they are loaded; in registers each takes a shuffle.
             let ray = &*opaque(ray);
             let all = |x: f32| _mm512_set1_ps(x);
             let three = |v: Vec3A| [all(v.x), all(v.y), all(v.z)];
@@ -166,11 +167,7 @@ impl Kernel<16> for Avx512 {
         unsafe {
             let ray = &*opaque(ray);
             let all = |x: f32| _mm512_set1_ps(x);
-            let planes = ray.axes.map(|axis| {
-                (&raw const block.planes[0])
-                    .wrapping_add(axis as usize)
-                    .cast::<f32>()
-            });
+            let planes = block.planes_along(ray.axes);
             let (ox, oy, oz) = (all(ray.origin.x), all(ray.origin.y), all(ray.origin.z));
             let (sx, sy) = (all(ray.shear.x), all(ray.shear.y));
             // Two corners side by side.

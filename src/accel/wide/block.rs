@@ -35,6 +35,16 @@ impl Block {
         block
     }
 
+    /// Where the planes along `axes` begin, corner by corner.
+    #[inline(always)]
+    pub(super) fn planes_along(&self, axes: [u32; 3]) -> [*const f32; 3] {
+        axes.map(|axis| {
+            (&raw const self.planes[0])
+                .wrapping_add(axis as usize)
+                .cast()
+        })
+    }
+
     /// The coordinates of a triangle's corners along `axes`.
     #[inline(always)]
     pub(in crate::accel) fn corners_along(&self, lane: usize, axes: [u32; 3]) -> [[f32; 3]; 3] {

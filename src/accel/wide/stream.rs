@@ -58,6 +58,7 @@ impl<'a, const N: usize> Entrant<'a, N> {
 
 /// Rays that start at once.
 pub(in crate::accel) struct Group {
+    /// How many they are.
     pub len: usize,
     /// Where they end.
     pub limits: [f64; PREPARED],
@@ -83,7 +84,7 @@ pub(in crate::accel) trait Traffic<'a, const N: usize> {
     /// Where all rays start.
     fn root(&self) -> Root<'a, N>;
 
-    /// Fills `group` with the next rays, which are to be those with the numbers in `slots`.
+    /// Takes the next rays, which are to be those with the numbers in `slots`, and says of them what `group` asks.
     fn enter(&mut self, slots: [usize; PREPARED], group: &mut Group);
 
     /// Number `slot` as it is to be made ready for the tree that it starts in; any ray where none has that number.
