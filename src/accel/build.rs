@@ -114,18 +114,19 @@ enum Outlook {
 
 /// Judges by a sample, which is like the whole in this.
 fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
-    if boxes.len() < 2 * SAMPLE {
+    if boxes.len() < 2 * SAMPLE[0] {
         return Outlook::Equal;
     }
-    let step = boxes.len() as f64 / SAMPLE as f64;
-    let sample: Vec<Aabb> = (0..SAMPLE)
+    let count = (boxes.len() / 64).clamp(SAMPLE[0], SAMPLE[1]);
+    let step = boxes.len() as f64 / count as f64;
+    let sample: Vec<Aabb> = (0..count)
         .map(|i| boxes[(i as f64 * step) as usize])
         .collect();
     let equal: usize = equal_boxes(&sample)
         .iter()
         .map(|group| group.len() - 1)
         .sum();
-    if equal > SAMPLE / 2 {
+    if equal > count / 2 {
         return Outlook::Equal;
     }
     let bvh = build_bvh2(&sample, params, &mut Duration::default());
@@ -151,8 +152,9 @@ fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
     }
 }
 
-/// Boxes that show what the others are like.
-const SAMPLE: usize = 4096;
+/// So many boxes, at least and at most, show what the others are like. The more there are, the longer a chain takes that
+/// the sample does not show, and the less the sample itself.
+const SAMPLE: [usize; 2] = [1024, 4096];
 
 /// Groups of boxes that are equal, of at least two each.
 fn equal_boxes(boxes: &[Aabb]) -> Vec<Vec<u32>> {
