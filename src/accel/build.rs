@@ -29,7 +29,7 @@ const fn params(quality: Quality, leaf: u32) -> BvhBuildParams {
 /// another one where the tree is too deep for that.
 pub(super) fn binary<T>(boxes: &[Aabb], quality: Quality, make: impl Fn(&Bvh2) -> Option<T>) -> T {
     let params = params(quality, 1);
-    let outlook = look(boxes, params);
+    let outlook = look(boxes);
     let plain = || make(&build_bvh2(boxes, params, &mut Duration::default()));
     let grouped = || make(&build_grouped(boxes, params));
     (outlook == Outlook::Good)
@@ -112,12 +112,13 @@ enum Outlook {
     Chain,
 }
 
-/// Judges by a sample, which is like the whole in this.
-fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
+/// Judges by a sample, which is like the whole in this, and by the balanced tree: the fast one may become a chain only
+/// where there are many.
+fn look(boxes: &[Aabb]) -> Outlook {
     if boxes.len() < 2 * SAMPLE[0] {
         return Outlook::Equal;
     }
-    let count = (boxes.len() / 64).clamp(SAMPLE[0], SAMPLE[1]);
+    let count = (boxes.len() / 128).clamp(SAMPLE[0], SAMPLE[1]);
     let step = boxes.len() as f64 / count as f64;
     let sample: Vec<Aabb> = (0..count)
         .map(|i| boxes[(i as f64 * step) as usize])
@@ -129,6 +130,7 @@ fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
     if equal > count / 2 {
         return Outlook::Equal;
     }
+    let params = params(Quality::Balanced, 1);
     let bvh = build_bvh2(&sample, params, &mut Duration::default());
     // (node, depth)
     let mut todo = vec![(0_u32, 0_usize)];
@@ -154,7 +156,7 @@ fn look(boxes: &[Aabb], params: BvhBuildParams) -> Outlook {
 
 /// So many boxes, at least and at most, show what the others are like. The more there are, the longer a chain takes that
 /// the sample does not show, and the less the sample itself.
-const SAMPLE: [usize; 2] = [1024, 4096];
+const SAMPLE: [usize; 2] = [512, 4096];
 
 /// Groups of boxes that are equal, of at least two each.
 fn equal_boxes(boxes: &[Aabb]) -> Vec<Vec<u32>> {
@@ -246,7 +248,7 @@ pub(super) fn build(boxes: &[Aabb], leaf: u32) -> Topology {
         };
     }
     let params = params(Quality::Balanced, leaf);
-    let bvh = match look(boxes, params) {
+    let bvh = match look(boxes) {
         Outlook::Chain => halved(boxes),
         _ => build_grouped(boxes, params),
     };
@@ -331,6 +333,23 @@ mod tests {
             }
         }
         assert_eq!(held, 5000);
+    }
+
+    #[test]
+    fn a_sample_tells_chains_from_good_trees() {
+        for count in [5_000_u32, 70_000, 300_000] {
+            let nested: Vec<Aabb> = (0..count)
+                .map(|i| {
+                    let size = 2_f32.powi(i as i32 % 100 - 50) * (1.0 + (i / 100) as f32 * 1e-6);
+                    Aabb::new(Vec3A::splat(-size), Vec3A::splat(size))
+                })
+                .collect();
+            let row: Vec<Aabb> = (0..count)
+                .map(|i| Aabb::new(Vec3A::splat(i as f32), Vec3A::splat(i as f32 + 1.0)))
+                .collect();
+            assert!(look(&nested) == Outlook::Chain, "{count}");
+            assert!(look(&row) == Outlook::Good, "{count}");
+        }
     }
 
     #[test]
