@@ -33,7 +33,16 @@ pub(super) fn distinct(mesh: &Mesh) -> (Vec<u32>, MeshReport) {
 
 /// Those of `triangles` whose corners, in any order, are those of an earlier one, ascending.
 fn duplicates(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
-    let hashes: Vec<u64> = triangles.par_iter().map(|&i| hash(mesh, i)).collect();
+    let corners: Vec<u64> = (mesh.positions.par_iter())
+        .map(|&p| mix(bits_of(p)))
+        .collect();
+    let hashes: Vec<u64> = (triangles.par_iter())
+        .map(|&i| {
+            // A sum is the same for corners in any order.
+            let [a, b, c] = mesh.triangles[i as usize].map(|corner| corners[corner as usize]);
+            a.wrapping_add(b).wrapping_add(c)
+        })
+        .collect();
     // Sorted, equal corners are neighbours, and the lowest index comes first.
     let mut suspects: Vec<([[u32; 3]; 3], u32)> = (alike(&hashes).into_par_iter())
         .map(|position| {
@@ -49,13 +58,6 @@ fn duplicates(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
         .collect();
     duplicates.sort_unstable();
     duplicates
-}
-
-/// The same for corners in any order.
-fn hash(mesh: &Mesh, triangle: u32) -> u64 {
-    let [a, b, c] = mesh.corners(triangle).map(|p| mix(bits_of(p)));
-    let sum = a.wrapping_add(b).wrapping_add(c);
-    mix([sum as u32, (sum >> 32) as u32, 0])
 }
 
 fn bits_of(p: Vec3) -> [u32; 3] {

@@ -1,5 +1,4 @@
-use std::array::from_fn;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -15,6 +14,10 @@ const NODE_COST: f32 = 5.0;
 /// Below this depth subtrees are too small to be worth a task.
 const PARALLEL_DEPTH: usize = 10;
 
+/// Of a choice: at most 15 children come after the first.
+const BITS: usize = 4;
+const CHOICE: u64 = (1 << BITS) - 1;
+
 /// The nodes of a wide tree, and what its leaves hold: leaf `i` has the primitives
 /// `order[starts[i]..starts[i + 1]]`.
 pub(super) struct Collapsed<const N: usize> {
@@ -28,11 +31,12 @@ pub(super) struct Collapsed<const N: usize> {
 /// dynamic program of Ylitie, Karras and Laine 2017, section 4.1. `None` where the binary tree is deeper than
 /// [`MAX_DEPTH`], or more than [`MOST_WAITING`] subtrees could have to wait for a ray.
 pub(super) fn collapse<const N: usize>(bvh: &Bvh2, most: u32) -> Option<Collapsed<N>> {
+    const { assert!(N * BITS <= u64::BITS as usize) };
     let program = Program {
         bvh,
         most,
         choices: (0..bvh.nodes.len() / 2)
-            .map(|_| from_fn(|_| AtomicU8::new(0)))
+            .map(|_| AtomicU64::new(0))
             .collect(),
     };
     program.solve(0, 0)?;
@@ -51,10 +55,10 @@ pub(super) fn collapse<const N: usize>(bvh: &Bvh2, most: u32) -> Option<Collapse
 struct Program<'a, const N: usize> {
     bvh: &'a Bvh2,
     most: u32,
-    /// For each pair of children. At 0: how many children their parent gets as a node, or 0 where it becomes a leaf.
-    /// At `i`: if it becomes `i + 1` subtrees, how many of them come from the first child, or 0 where one fewer is
-    /// cheaper.
-    choices: Vec<[AtomicU8; N]>,
+    /// For each pair of children, four bits a choice, the lowest first. At 0: how many children after the first their
+    /// parent gets as a node, or 0 where it becomes a leaf. At `i`: if it becomes `i + 1` subtrees, how many of them come
+    /// from the first child, or 0 where one fewer is cheaper.
+    choices: Vec<AtomicU64>,
 }
 
 /// What a subtree costs if it becomes at most `i + 1` subtrees, for each `i` below `len`.
@@ -91,34 +95,34 @@ impl<const N: usize> Program<'_, N> {
         let (left, right) = (left?, right?);
         let primitives = left.primitives + right.primitives;
         let len = (left.len + right.len).min(N);
-        let mut shares = [0_u8; N];
-        let (mut least, mut children) = (f32::INFINITY, 0);
+        let mut choices = 0;
+        let (mut least, mut more) = (f32::INFINITY, 0);
         for i in 2..=len {
-            costs[i - 1] = f32::INFINITY;
+            let (mut cost, mut share) = (f32::INFINITY, 0);
             for k in i.saturating_sub(right.len).max(1)..=left.len.min(i - 1) {
-                let cost = left.costs[k - 1] + right.costs[i - k - 1];
-                if cost < costs[i - 1] {
-                    costs[i - 1] = cost;
-                    shares[i - 1] = k as u8;
+                let sum = left.costs[k - 1] + right.costs[i - k - 1];
+                if sum < cost {
+                    (cost, share) = (sum, k);
                 }
             }
-            if costs[i - 1] <= least {
-                (least, children) = (costs[i - 1], i);
+            if cost <= least {
+                (least, more) = (cost, i - 1);
             }
+            costs[i - 1] = cost;
+            choices |= (share as u64) << (BITS * (i - 1));
         }
         costs[0] = least + NODE_COST * area;
-        shares[0] = children as u8;
         if primitives <= self.most && area <= costs[0] {
-            (costs[0], shares[0]) = (area, 0);
+            (costs[0], more) = (area, 0);
         }
+        choices |= more as u64;
         for i in 1..len {
             if costs[i - 1] < costs[i] {
-                (costs[i], shares[i]) = (costs[i - 1], 0);
+                costs[i] = costs[i - 1];
+                choices &= !(CHOICE << (BITS * i));
             }
         }
-        for (choice, share) in self.choices[pair(node)].iter().zip(shares) {
-            choice.store(share, Ordering::Relaxed);
-        }
+        self.choices[pair(node)].store(choices, Ordering::Relaxed);
         Some(Solved {
             costs,
             len,
@@ -130,19 +134,19 @@ impl<const N: usize> Program<'_, N> {
     /// wait for a ray in it.
     fn emit(&self, index: u32, out: &mut Collapsed<N>) -> (u32, usize) {
         let node = &self.bvh.nodes[index as usize];
-        let children = if node.is_leaf() {
+        let more = if node.is_leaf() {
             0
         } else {
             self.choice(node, 0)
         };
-        if children == 0 {
+        if more == 0 {
             out.starts.push(out.order.len() as u32);
             self.primitives(node, &mut out.order);
             return (LEAF | (out.starts.len() - 1) as u32, 0);
         }
         let mut parts = [0; N];
         let mut len = 0;
-        self.parts(index, children, &mut parts, &mut len);
+        self.parts(index, 1 + more, &mut parts, &mut len);
         let place = out.nodes.len();
         out.nodes.push(Node::EMPTY);
         let mut waiting = 0;
@@ -172,7 +176,8 @@ impl<const N: usize> Program<'_, N> {
     }
 
     fn choice(&self, node: &Bvh2Node, i: usize) -> usize {
-        self.choices[pair(node)][i].load(Ordering::Relaxed) as usize
+        let choices = self.choices[pair(node)].load(Ordering::Relaxed);
+        (choices >> (BITS * i) & CHOICE) as usize
     }
 
     /// All primitives below `node`.
